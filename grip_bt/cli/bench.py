@@ -8,11 +8,14 @@ import sys
 import time
 from pathlib import Path
 
-from grip_bt.app.campaign.file import Campaign, Results, TrialRow, begin, head_of, read, read_campaign
-from grip_bt.app.campaign.report import as_csv, as_text, reason, summary
+from grip_bt.app.campaign.file import Campaign, head_of, read_campaign
+from grip_bt.app.campaign.provenance import difference
+from grip_bt.app.campaign.report import as_csv, as_text, write_report
+from grip_bt.app.campaign.results import Results, TrialRow, alone, begin, read
+from grip_bt.app.campaign.statistics import reason, summary, wilson
 from grip_bt.app.campaign.trials import Trials, check
 from grip_bt.app.project.folder import Project, find_project
-from grip_bt.base.errors import NotWritableError
+from grip_bt.base.errors import NotWritableError, nearest
 from grip_bt.cli import STOPPED
 from grip_bt.cli.parser import add_no_code, whole
 from grip_bt.cli.terminal import on_stop
@@ -20,13 +23,16 @@ from grip_bt.cli.terminal import on_stop
 
 def add_bench(parser: argparse.ArgumentParser) -> None:
     parser.usage = (
-        "grip bench CAMPAIGN [--workers N] [--resume] [-o FILE]\n       grip bench report RESULTS [--json | --csv]"
+        "grip bench CAMPAIGN [--workers N] [--resume] [--fresh] [--trial ID] [-o FILE]\n"
+        "       grip bench report RESULTS [--json | --csv] [-o FILE.html|.tex|.parquet|.csv|.json|.md]"
     )
     parser.add_argument("what", nargs="+", metavar="CAMPAIGN", help="the campaign's file; or `report` and its results")
     trials = whole(1, what="a number of trials")
     parser.add_argument("--workers", type=trials, default=1, metavar="N", help="trials at a time (default: 1)")
     parser.add_argument("--resume", action="store_true", help="keep existing results and run only the missing trials")
-    results = "results (default: .grip/campaigns/NAME.jsonl of the project)"
+    parser.add_argument("--fresh", action="store_true", help="start simulator, planner and components for every trial")
+    parser.add_argument("--trial", metavar="ID", help="run one trial again, such as tree@3, and compare it; no results")
+    results = "results (default: .grip/campaigns/NAME.jsonl of the project); of a report, where it is written"
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help=results)
     add_no_code(parser)
     form = parser.add_mutually_exclusive_group()
@@ -39,8 +45,11 @@ def run_bench(args: argparse.Namespace) -> int:
     if args.what[0] == "report":
         if len(args.what) != 2:
             args.usage_error("report needs the file of results: grip bench report .grip/campaigns/NAME.jsonl")
-
-        _print(read(Path(args.what[1])), args)
+        results = read(Path(args.what[1]))
+        if args.output is None:
+            _print(results, args)
+        else:
+            write_report(results, args.output)
         return 0
     if len(args.what) != 1:
         args.usage_error("one campaign at a time: grip bench CAMPAIGN")
@@ -52,6 +61,13 @@ def _run(path: Path, args: argparse.Namespace) -> int:
     check(campaign)
     first = next(iter(campaign.file.variants))
     file = args.output or _own_folder(find_project(campaign.task(first))) / "campaigns" / f"{campaign.name}.jsonl"
+    if args.trial is not None:
+        return _again(campaign, file, args.trial)
+    with alone(file):
+        return _run_all(campaign, file, args)
+
+
+def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace) -> int:
     results = begin(file, head_of(campaign), args.resume)
     left = [trial for trial in campaign.trials() if trial not in results.done]
 
@@ -60,22 +76,56 @@ def _run(path: Path, args: argparse.Namespace) -> int:
             print(text, file=sys.stderr, flush=True)
 
     say(_opening(campaign, results, len(left), args.workers))
-    began, total = time.monotonic(), len(results.done) + len(left)
+    began, before = time.monotonic(), len(results.rows)
 
     def ended(row: TrialRow) -> None:
         results.add(row)
-        say(_line(row, len(results.rows), total))
+        passed, done = time.monotonic() - began, len(results.rows) - before
+        same = [each for each in results.rows if each["variant"] == row["variant"]]
+        low, high = wilson(sum(each["success"] for each in same), len(same))
+        rate = f"{row['variant']} {low:.0%} to {high:.0%}"
+        say(f"{_line(row, len(results.rows))}; {rate}; {_time(passed / done * trials.left)} left")
 
-    trials = Trials(campaign, file.with_suffix(".sqlite"), ended)
+    trials = Trials(campaign, file.with_suffix(".sqlite"), ended, before=results.rows, fresh=args.fresh)
     on_stop(trials.stop)
     trials.run(left, args.workers)
     say(f"\n{time.monotonic() - began:.0f} s; results in {file}\n")
     if results.rows:
         _print(results, args)
     if trials.stopped:
+        total = before + len(left)
         say(f"\nstopped: {total - len(results.rows)} of {total} trials are left; --resume runs them")
         return STOPPED
     return 0
+
+
+def _again(campaign: Campaign, file: Path, trial: str) -> int:
+    """Run one trial again, and say whether it went as its results say."""
+    names = {f"{variant}@{seed}": (variant, seed) for variant, seed in campaign.trials()}
+    if trial not in names:
+        raise campaign.error(f"no trial {trial!r}{nearest(trial, names)}; they are called VARIANT@SEED")
+    journal = file.with_suffix(".sqlite")
+    trials = Trials(campaign, journal, lambda row: None)
+    on_stop(trials.stop)
+    row = trials.once(*names[trial])
+    if row is None:
+        return STOPPED
+    print(f"{_line(row)}, run {row['run']}")
+    rows = read(file).rows if file.exists() else []
+    for before in (each for each in rows if (each["variant"], each["seed"]) == names[trial]):
+        differs = difference(journal, before["run"], row["run"])
+        print(f"  {differs or 'the same as in the results, event by event'}")
+    return 0
+
+
+def _time(seconds: float) -> str:
+    return (
+        f"{seconds / 3600:.1f} h"
+        if seconds > 5400
+        else f"{seconds / 60:.0f} min"
+        if seconds > 90
+        else f"{seconds:.0f} s"
+    )
 
 
 def _own_folder(project: Project) -> Path:
@@ -96,9 +146,10 @@ def _opening(campaign: Campaign, results: Results, left: int, workers: int) -> s
     )
 
 
-def _line(row: TrialRow, number: int, total: int) -> str:
+def _line(row: TrialRow, number: int = 0) -> str:
     how = "success" if row["success"] else reason(row)
-    return f"  {number:>{len(str(total))}}/{total}  {row['variant']}, seed {row['seed']}: {how}; {row['wall']:.1f} s"
+    again = f"; again in new processes: {row['repeated']}" if row.get("repeated") else ""
+    return f"  {f'{number}  ' if number else ''}{row['trial']}: {how}; {row['wall']:.1f} s{again}"
 
 
 def _print(results: Results, args: argparse.Namespace) -> None:

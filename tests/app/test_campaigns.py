@@ -14,9 +14,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grip_bt.app.campaign.file import Results, begin, head_of, read, read_campaign
-from grip_bt.app.campaign.report import as_csv, as_text, summary
-from grip_bt.app.campaign.trials import check, judged
+from grip_bt.app.campaign.file import head_of, read_campaign
+from grip_bt.app.campaign.report import FORMS, as_csv, as_text, records, write_report
+from grip_bt.app.campaign.results import Results, alone, begin, read
+from grip_bt.app.campaign.statistics import fisher, mcnemar, summary, wilson
+from grip_bt.app.campaign.trials import Trials, check, judged
 from grip_bt.base.errors import CampaignError, DocumentError, InvalidTaskError
 from grip_bt.cli.__main__ import main
 
@@ -77,7 +79,13 @@ def test_each_variant_meets_each_seed_and_the_summary_says_what_came_of_it(proje
     assert said["variants"]["machine"]["measures"]["far"] == {"of": 2, "true": 2}
     assert said["variants"]["broken"]["failures"] == {"failure.no_ik": 2}
     assert said["variants"]["short"]["failures"] == {"ended as success, but the campaign's condition is false": 2}
-    assert said["compared"]["broken"] == {"seeds": 2, "only_this": 0, "only_first": 2, "p": 0.5}
+    pairs = {(pair["first"], pair["second"]): pair for pair in said["compared"]["variant"]}
+    assert len(pairs) == 6
+    found = pairs["tree", "broken"]
+    assert (found["test"], found["pairs"], found["only_first"], found["only_second"]) == ("McNemar", 2, 2, 0)
+    assert (found["p"], found["holm"]) == (0.5, 1.0)
+    assert rows[0]["trial"] == f"{rows[0]['variant']}@{rows[0]['seed']}"
+    assert {"python", "machine", "campaign sha256", "project sha256"} <= rows[0]["provenance"].keys()
     # each run can be looked at: it is in the journal beside the results
     assert main(["runs", rows[0]["run"], "--journal", str(project / ".grip/campaigns/who.sqlite"), "--timing"]) == 0
     assert "count/add" in capsys.readouterr().out
@@ -88,7 +96,7 @@ def test_each_variant_meets_each_seed_and_the_summary_says_what_came_of_it(proje
     assert "2x failure.no_ik" in text
     assert main(["bench", "report", str(project / ".grip/campaigns/who.jsonl"), "--csv"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("variant,seed,success,contradicted,status,outcome,code")
+    assert lines[0].startswith("trial,variant,seed,success,contradicted,status,outcome,code")
     assert len(lines) == 9
 
 
@@ -170,6 +178,31 @@ def test_a_trial_that_crashes_is_a_row_and_the_others_go_on(project):
     assert "it: the run's process ended with exit status 9" in rows["die"]["message"]
 
 
+@pytest.mark.slow
+def test_trials_share_a_process_and_nothing_that_a_project_keeps_in_it(project):
+    (project / "nodes").mkdir()
+    (project / "nodes/own.py").write_text(
+        "import os\nimport grip_bt\n\nSEEN = []\n\n\n"
+        '@grip_bt.leaf("own/see", outputs={"seen": str})\ndef see() -> str:\n    """Note it."""\n    SEEN.append(1)\n'
+        '    return f"{os.getpid()} {len(SEEN)}"\n'
+    )
+    (project / "tasks/see.yaml").write_text(
+        "grip: 1\nname: see\ndata: {seen: {type: str, value: ''}}\nroot:\n  kind: sequence\n"
+        "  children:\n    it: {node: own/see, out: {seen: seen}}\n"
+    )
+    (project / "campaigns/who.yaml").write_text(
+        "campaign: 1\nrobot: fake\nseeds: {count: 3}\ntask: tasks/see.yaml\nmeasure: {seen: seen}\n"
+    )
+    assert bench(project) == 0
+    seen = [row["measures"]["seen"].split() for row in read(project / ".grip/campaigns/who.jsonl").rows]
+    assert len({pid for pid, _ in seen}) == 1
+    assert [count for _, count in seen] == ["1", "1", "1"]
+    (project / ".grip/campaigns/who.jsonl").unlink()
+    assert bench(project, "--fresh") == 0
+    rows = read(project / ".grip/campaigns/who.jsonl").rows
+    assert len({row["measures"]["seen"].split()[0] for row in rows}) == 3
+
+
 @pytest.mark.sim
 def test_the_referee_counts_and_not_what_the_task_says(project, capsys):
     """A task that only looks ends as a success; nothing lies in the crate."""
@@ -179,11 +212,15 @@ def test_the_referee_counts_and_not_what_the_task_says(project, capsys):
         "grip: 1\nname: look\nroot:\n  kind: sequence\n  children:\n    look: {node: sensor/overhead}\n"
     )
     (project / "campaigns/who.yaml").write_text(
-        "campaign: 1\ntask: tasks/count.yaml\nseeds: [3]\nsuccess: status == 'success' and placed == objects\n"
+        "campaign: 1\ntask: tasks/count.yaml\nseeds: [4, 3]\nrepeat: 2\n"
+        "success: status == 'success' and placed == objects\n"
         "measure: {placed: placed, standing: standing, cleared: cleared}\n"
     )
     assert bench(project) == 0
-    (row,) = read(project / ".grip/campaigns/who.jsonl").rows
+    before, row = read(project / ".grip/campaigns/who.jsonl").rows
+    assert row["seed"] == 3
+    assert not before.get("repeated")
+    assert row["repeated"] == "the same"  # in a world that came after another one, and in one of a new process
     assert row["status"] == "success"
     assert not row["success"]
     assert set(row["truth"].values()) == {"standing"}
@@ -261,11 +298,20 @@ def test_a_place_that_cannot_be_written_is_named(project, capsys):
 
 def row(variant: str, seed: int, success: bool, **more) -> dict:
     told = {"status": "success" if success else "failure", "outcome": "success" if success else "failure", "code": None}
-    known = {"message": "", "duration": 1.0, "wall": 2.0, "run": None, "truth": None, "counts": {}, "measures": {}}
+    known = {
+        "trial": f"{variant}@{seed}",
+        "message": "",
+        "duration": 1.0,
+        "wall": 2.0,
+        "run": None,
+        "truth": None,
+        "counts": {},
+        "measures": {},
+    }
     return {"variant": variant, "seed": seed, "success": success, **told, **known, "unclear": {}, **more}
 
 
-def wilson(good: int, n: int, z: float = 1.959963984540054) -> tuple[float, float]:
+def by_hand(good: int, n: int, z: float = 1.959963984540054) -> tuple[float, float]:
     p = good / n
     middle = (p + z * z / (2 * n)) / (1 + z * z / n)
     half = z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n)) / (1 + z * z / n)
@@ -281,11 +327,12 @@ def test_rates_have_wilsons_interval_and_pairs_mcnemars_exact_test(pairs):
     for index, name in enumerate("ab"):
         good = sum(pair[index] for pair in pairs)
         assert said["variants"][name]["successes"] == good
-        assert said["variants"][name]["interval"] == pytest.approx(wilson(good, len(pairs)), abs=1e-4)
+        assert said["variants"][name]["interval"] == pytest.approx(by_hand(good, len(pairs)), abs=1e-4)
     only_a, only_b = sum(a and not b for a, b in pairs), sum(b and not a for a, b in pairs)
     n, k = only_a + only_b, min(only_a, only_b)
     p = min(1.0, 2 * sum(math.comb(n, i) for i in range(k + 1)) / 2**n) if n else 1.0
-    assert said["compared"]["b"]["p"] == pytest.approx(p, abs=1e-4)
+    (found,) = said["compared"]["variant"]
+    assert found["p"] == found["holm"] == pytest.approx(p, abs=1e-12)
     assert as_csv(Results(Path("x"), head, rows)).count("\n") == len(rows) + 1
     assert as_text(Results(Path("x"), head, rows)).startswith("# x")
 
@@ -306,8 +353,161 @@ def test_only_common_seeds_are_compared():
     head = {"name": "x", "variants": {"a": {}, "b": {}, "never_run": {}}}
     rows = [row("a", 1, True), row("a", 2, True), row("b", 2, False), row("b", 3, False)]
     said = summary(Results(Path("x"), head, rows))
-    assert said["compared"] == {"b": {"seeds": 1, "only_this": 0, "only_first": 1, "p": 1.0}}
+    (found,) = said["compared"]["variant"]
+    assert (found["pairs"], found["only_first"], found["only_second"], found["p"]) == (1, 1, 0, 1.0)
     assert list(said["variants"]) == ["a", "b"]
+
+
+@pytest.mark.parametrize(
+    ("good", "of", "other", "other_of"), [(3, 20, 12, 20), (0, 5, 5, 5), (7, 9, 4, 30), (2, 2, 2, 2)]
+)
+def test_exact_tests_are_those_of_scipy(good, of, other, other_of):
+    stats = pytest.importorskip("scipy.stats")
+    table = [[good, of - good], [other, other_of - other]]
+    assert fisher(good, of, other, other_of) == pytest.approx(stats.fisher_exact(table).pvalue)
+    assert mcnemar(good, other) == pytest.approx(stats.binomtest(good, good + other).pvalue)
+    said = stats.binomtest(good, of).proportion_ci(method="wilson")
+    assert wilson(good, of) == pytest.approx((said.low, said.high))
+
+
+def test_p_is_corrected_for_the_number_of_pairs_by_holm():
+    head = {"name": "x", "variants": {"a": {}, "b": {}, "c": {}}}
+    rows = [row(name, seed, seed < good) for name, good in (("a", 12), ("b", 6), ("c", 0)) for seed in range(12)]
+    found = summary(Results(Path("x"), head, rows))["compared"]["variant"]
+    ordered = sorted(found, key=lambda pair: pair["p"])
+    raw = [pair["p"] for pair in ordered]
+    assert [pair["holm"] for pair in ordered] == pytest.approx([3 * raw[0], 2 * raw[1], max(2 * raw[1], raw[2])])
+
+
+FACTORS = """campaign: 1
+task: tasks/count.yaml
+robot: fake
+seeds: {count: 3}
+factors:
+  limit: [1, 2, 3]
+  form: {tree: {}, machine: {as: sm}, mocked: {mocks: {count: success}}}
+"""
+
+
+def test_factors_are_crossed_and_told_apart_in_each_row(project):
+    (project / "campaigns/who.yaml").write_text(FACTORS)
+    campaign = read_campaign(project / "campaigns/who.yaml")
+    check(campaign)
+    assert len(campaign.file.variants) == 9
+    assert campaign.levels["2/machine"] == {"limit": "2", "form": "machine"}
+    assert campaign.file.variants["2/machine"].set == {"limit": 2}
+    assert campaign.file.variants["2/machine"].form == "sm"
+    assert head_of(campaign)["variants"]["2/machine"]["levels"] == campaign.levels["2/machine"]
+    assert len(campaign.trials()) == 27
+
+
+@given(levels=st.sampled_from([2, 3, 5]), factors=st.integers(2, 4), seed=st.integers(0, 9))
+def test_a_latin_design_meets_each_level_once_a_seed_and_each_pair_of_levels_once(
+    tmp_path_factory, levels, factors, seed
+):
+    file = tmp_path_factory.mktemp("latin") / "c.yaml"
+    said = {f"f{k}": list(range(levels)) for k in range(factors)}
+    text = {"campaign": 1, "task": "t.yaml", "robot": "fake", "design": "latin", "factors": said, "shuffle": seed}
+    file.write_text(json.dumps({**text, "seeds": {"count": levels}}))
+    if any(levels % k == 0 for k in range(2, factors)):
+        with pytest.raises(CampaignError, match="no number below that of factors divides"):
+            read_campaign(file)
+        return
+    campaign = read_campaign(file)
+    trials = campaign.trials()
+    assert trials == read_campaign(file).trials()
+    cells = [(number, *campaign.levels[variant].values()) for variant, number in trials]
+    for one, two in itertools.combinations(range(factors + 1), 2):  # the seed is one of them
+        assert Counter((cell[one], cell[two]) for cell in cells) == dict.fromkeys(
+            itertools.product({cell[one] for cell in cells}, {cell[two] for cell in cells}), 1
+        )
+
+
+@pytest.mark.parametrize("order", ["blocked", "random", "listed"])
+def test_the_order_is_random_and_the_same_each_time(project, order):
+    text = FACTORS.replace("count: 3", "count: 20")
+    (project / "campaigns/who.yaml").write_text(f"{text}order: {order}\n")
+    campaign = read_campaign(project / "campaigns/who.yaml")
+    trials = campaign.trials()
+    listed = [(variant, seed) for seed in campaign.seeds for variant in campaign.file.variants]
+    assert trials == campaign.trials()
+    assert sorted(trials) == sorted(listed)
+    assert (trials == listed) == (order == "listed")
+    assert ([seed for _, seed in trials] == [seed for _, seed in listed]) == (order != "random")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("[1, 2, 3]", "[1, 1, 2]"), "factors/limit: it needs levels that differ"),
+        (("mocked: {mocks: {count: success}}", "mocked: {set: {limit: 9}}"), "two factors say what set/limit is"),
+        (("[1, 2, 3]", "[1, 2]"), "factors or more with equally many levels: limit has 2, form has 3"),
+    ],
+)
+def test_factors_that_do_not_fit_are_refused(project, change, words):
+    (project / "campaigns/who.yaml").write_text(FACTORS.replace(*change) + "design: latin\n")
+    with pytest.raises(CampaignError, match=words):
+        read_campaign(project / "campaigns/who.yaml")
+
+
+def test_a_variant_is_not_tried_any_more_when_its_interval_is_narrow(project, tmp_path):
+    file = project / "campaigns/who.yaml"
+    file.write_text(CAMPAIGN.replace("count: 2}", "count: 100}") + "stop: {width: 0.5, least: 6}\n")
+    campaign, ended = read_campaign(file), []
+    trials = Trials(campaign, tmp_path / "j.sqlite", ended.append)
+    trials._one = lambda variant, seed, process: row(variant, seed, variant == "tree")
+    trials._fresh = True
+    trials.run(campaign.trials())
+    tried = Counter(each["variant"] for each in ended)
+    least = next(n for n in itertools.count(6) if by_hand(n, n)[1] - by_hand(n, n)[0] <= 0.5)
+    assert dict(tried) == dict.fromkeys(campaign.file.variants, least)
+    again = Trials(campaign, tmp_path / "j.sqlite", ended.append, before=ended)
+    assert all(again.enough(variant) for variant in campaign.file.variants)
+
+
+def test_reports_are_written_in_the_form_that_their_file_says(project, tmp_path):
+    (project / "campaigns/who.yaml").write_text(FACTORS)
+    campaign = read_campaign(project / "campaigns/who.yaml")
+    rows = [
+        row(
+            variant,
+            seed,
+            seed > 0,
+            levels=campaign.levels[variant],
+            trial=f"{variant}@{seed}",
+            provenance={"numpy": "2"},
+        )
+        for variant, seed in campaign.trials()
+    ]
+    results = Results(tmp_path / "r.jsonl", head_of(campaign), rows)
+    for ending in FORMS:
+        write_report(results, tmp_path / f"r{ending}")
+    page = (tmp_path / "r.html").read_text()
+    assert page.count("<rect") == 6
+    assert "limit against form" in page
+    assert "src=" not in page
+    table = (tmp_path / "r.tex").read_text()
+    assert r"limit & 1 & 9 & 66.7\,\% &" in table
+    assert table.count(r"\\") == 7
+    (first, *_) = records(results)
+    assert {"trial", "limit", "form", "numpy", "success"} <= first.keys()
+    with pytest.raises(CampaignError, match=r"reports end in \.txt"):
+        write_report(results, tmp_path / "r.doc")
+
+
+def test_parquet_holds_a_record_a_trial(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    results = Results(tmp_path / "r.jsonl", {"name": "x", "doc": "", "variants": {"a": {}}}, [row("a", 1, True)])
+    write_report(results, tmp_path / "r.parquet")
+    assert parquet.read_table(tmp_path / "r.parquet").to_pylist() == records(results)
+
+
+def test_two_at_once_do_not_write_the_same_results(tmp_path):
+    with alone(tmp_path / "r.jsonl"):
+        with pytest.raises(CampaignError, match="another `grip bench` is at work"), alone(tmp_path / "r.jsonl"):
+            pass
+    with alone(tmp_path / "r.jsonl"):
+        pass
 
 
 def test_the_settings_of_a_variant_are_in_the_results(project, tmp_path):

@@ -1,25 +1,26 @@
-"""A campaign's file: tasks, seeds, what counts as success, what is measured; and the file of its results."""
+"""A campaign's file: tasks, factors, seeds, what counts as success, what is measured; and what is run of it."""
 
 from __future__ import annotations
 
-import json
-import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypedDict
+from random import Random
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
 
 from grip_bt.app.project.folder import Key
 from grip_bt.app.runs.execute import MOST_SEED
 from grip_bt.app.runs.mocks import Script
-from grip_bt.base.errors import CampaignError, NotWritableError
+from grip_bt.base.errors import CampaignError
 from grip_bt.base.yaml.models import Settings, read_model
 from grip_sim.faults import Fault
 
 MOST_SEEDS = 100_000
+Plain = bool | int | float | str | None
 Seed = Annotated[int, Field(ge=0, le=MOST_SEED)]
 
 
@@ -39,12 +40,25 @@ class Variant(Settings, populate_by_name=True):
     """The task's file, beside the campaign's own or from its folder upward; without it, the campaign's."""
     form: Literal["bt", "sm"] = Field(default="bt", alias="as")
     """Behaviour tree or state machine."""
+    world: str = ""
+    """The simulated world; without it, the project's."""
+    object: str = ""
+    """An object of the library, or its file: every object of the world is such a one."""
     set: dict[Key, Any] = {}
     """Initial values of the task's variables."""
     mocks: dict[str, Script] = {}
     """Scripts in place of nodes."""
     faults: dict[Key, Fault] = {}
     """What goes wrong in the simulated world, besides the faults of its file."""
+
+
+class StopRule(Settings):
+    """When a variant isn't tried any more, though there are seeds left."""
+
+    width: float = Field(gt=0, lt=1)
+    """When Wilson's 95 % interval of its success rate is no wider than this,"""
+    least: int = Field(default=20, ge=2)
+    """and it was tried at least so often."""
 
 
 class CampaignFile(Settings):
@@ -68,6 +82,20 @@ class CampaignFile(Settings):
     """Name -> expression over what is known of a trial."""
     variants: dict[Key, Variant] = {}
     """What is compared; without it, the task alone."""
+    factors: dict[Key, dict[str, Variant] | list[Plain]] = {}
+    """Name -> its levels, each what it changes, or values of the task's variable of that name. A variant is a
+    combination of levels, and of one of `variants` where there are some."""
+    design: Literal["full", "latin"] = "full"
+    """Every combination on every seed; or so few that each level is met once on a seed, and with each level of each
+    other factor once in as many seeds as a factor has levels."""
+    order: Literal["blocked", "random", "listed"] = "blocked"
+    """Seed by seed, the variants of each in random order; all at random; or seed by seed as they are listed."""
+    shuffle: Seed = 0
+    """Seed of the random order."""
+    stop: StopRule | None = None
+    """When a variant isn't tried any more; without it, all are on every seed."""
+    repeat: int = Field(default=50, ge=0)
+    """Every so manieth trial is run again, in new processes, and compared event by event; 0 for none."""
 
     @field_validator("seeds", mode="wrap")
     @classmethod
@@ -86,6 +114,8 @@ class Campaign:
 
     path: Path
     file: CampaignFile
+    levels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """Variant -> factor -> level."""
 
     @property
     def name(self) -> str:
@@ -112,11 +142,24 @@ class Campaign:
         """Return what is wrong with it, as an error."""
         return CampaignError(str(self.path), text)
 
-    def trials(self) -> Iterator[tuple[str, int]]:
-        """Yield each (variant, seed), seed by seed, so that an early end leaves pairs that can be compared."""
-        for seed in self.seeds:
-            for variant in self.file.variants:
-                yield variant, seed
+    def trials(self) -> list[tuple[str, int]]:
+        """Return each (variant, seed) in the order in which they are run, which is the same each time."""
+        blocks = [[(variant, seed) for variant in self._met(row)] for row, seed in enumerate(self.seeds)]
+        for block, seed in zip(blocks, self.seeds, strict=True) if self.file.order == "blocked" else ():
+            Random(f"{self.file.shuffle} {seed}").shuffle(block)
+        trials = [trial for block in blocks for trial in block]
+        if self.file.order == "random":
+            Random(self.file.shuffle).shuffle(trials)
+        return trials
+
+    def _met(self, row: int) -> list[str]:
+        """Return the variants that meet the seed of a row: of a Latin design, those of a cyclic square."""
+        if self.file.design == "full":
+            return list(self.file.variants)
+        axes = [list(dict.fromkeys(levels)) for levels in zip(*(v.values() for v in self.levels.values()), strict=True)]
+        count = len(axes[0])
+        cells = [[axis[(first + k * row) % count] for k, axis in enumerate(axes)] for first in range(count)]
+        return [name for name, levels in self.levels.items() if list(levels.values()) in cells]
 
 
 def read_campaign(path: Path) -> Campaign:
@@ -124,12 +167,16 @@ def read_campaign(path: Path) -> Campaign:
 
     Raises:
         DocumentError: it can't be read, or doesn't fit; with line and column.
-        CampaignError: it has no variant and no task, a variant without one, or a seed twice.
+        CampaignError: it has no variant and no task, a variant without one, a seed twice, or factors that don't fit.
     """
-    file = read_model(path, CampaignFile)
-    if not file.variants and file.task is not None:
+    file, levels = read_model(path, CampaignFile), dict[str, Mapping[str, str]]()
+    if file.factors:
+        made = dict(_crossed(Campaign(path, file)))
+        levels = {name: dict(chosen) for name, (chosen, _) in made.items()}
+        file = file.model_copy(update={"variants": {name: variant for name, (_, variant) in made.items()}})
+    elif not file.variants and file.task is not None:
         file = file.model_copy(update={"variants": {Path(file.task).stem: Variant()}})
-    campaign = Campaign(path, file)
+    campaign = Campaign(path, file, levels)
     without = [name for name, variant in file.variants.items() if variant.task is None and file.task is None]
     twice = sorted(seed for seed, times in Counter(campaign.seeds).items() if times > 1)
     if not file.variants:
@@ -143,6 +190,36 @@ def read_campaign(path: Path) -> Campaign:
     return campaign
 
 
+def _crossed(campaign: Campaign) -> Iterator[tuple[str, tuple[Mapping[str, str], Variant]]]:
+    """Yield each combination of levels: its name, its levels, and what it changes."""
+    file = campaign.file
+    axes = {"variant": dict(file.variants)} if file.variants else {}
+    for factor, said in file.factors.items():
+        named = said if isinstance(said, dict) else {str(value): Variant(set={factor: value}) for value in said}
+        if len(named) < max(1, len(said)):
+            raise campaign.error(f"factors/{factor}: it needs levels that differ, not {said}")
+        axes[factor] = named
+    counts = {len(levels) for levels in axes.values()}
+    count = max(counts)
+    if file.design == "latin" and (len(axes) < 2 or len(counts) > 1):
+        shown = ", ".join(f"{name} has {len(levels)}" for name, levels in axes.items())
+        raise campaign.error(f"a Latin design needs two factors or more with equally many levels: {shown}")
+    if file.design == "latin" and len(axes) > 2 and any(count % k == 0 for k in range(2, len(axes))):
+        reason = "has each pair of levels once only if no number below that of factors divides the number of levels"
+        raise campaign.error(f"a Latin design of {len(axes)} factors {reason}, which is {count}")
+    for cell in product(*(levels.items() for levels in axes.values())):
+        levels = dict(zip(axes, (level for level, _ in cell), strict=True))
+        name, merged = "/".join(levels.values()), dict[str, Any]()
+        for _, variant in cell:
+            for key in variant.model_fields_set:
+                value = getattr(variant, key)
+                both = key in merged and (merged[key].keys() & value.keys() if isinstance(value, dict) else {key})
+                if both:
+                    raise campaign.error(f"{name}: two factors say what {key}/{', '.join(sorted(both))} is")
+                merged[key] = {**merged.get(key, {}), **value} if isinstance(value, dict) else value
+        yield name, (levels, Variant(**merged))
+
+
 def head_of(campaign: Campaign) -> dict[str, Any]:
     """Return what results begin with: all that makes each variant what it is, as JSON data."""
     said = campaign.file
@@ -151,105 +228,11 @@ def head_of(campaign: Campaign) -> dict[str, Any]:
         name: {
             "task": campaign.task(name).read_text(),
             **common,
-            **variant.model_dump(mode="json", by_alias=True, exclude={"task"}),
+            **variant.model_dump(
+                mode="json", by_alias=True, exclude={"task", *({"world", "object"} - variant.model_fields_set)}
+            ),
+            **({"levels": dict(campaign.levels[name])} if name in campaign.levels else {}),
         }
         for name, variant in said.variants.items()
     }
     return {"name": campaign.name, "doc": said.doc, "variants": variants}
-
-
-_FORMAT = 1
-Plain = bool | int | float | str | None
-
-
-class TrialRow(TypedDict, total=False):
-    """A trial, and what came of it; `_trial` and `judged` say what each is."""
-
-    variant: str
-    seed: int
-    status: str
-    outcome: str | None
-    code: str | None
-    message: str
-    duration: float | None
-    wall: float
-    run: str | None
-    truth: Mapping[str, str] | None
-    contradicted: bool
-    judged: dict[str, bool]
-    unconfirmed: str
-    counts: dict[str, int]
-    measures: dict[str, Plain]
-    success: bool
-    unclear: dict[str, str]
-
-
-@dataclass
-class Results:
-    """A file of results: its head (`name`, `doc`, `variants`: name -> settings), and trials in order of their ends."""
-
-    path: Path
-    head: Mapping[str, Any]
-    rows: list[TrialRow] = field(default_factory=list)
-
-    @property
-    def done(self) -> set[tuple[str, int]]:
-        """The trials that are there."""
-        return {(row["variant"], row["seed"]) for row in self.rows}
-
-    def add(self, row: TrialRow) -> None:
-        """Write a trial; it is on disk when this returns. Raises NotWritableError where it can't be written."""
-        _append(self.path, row)
-        self.rows.append(row)
-
-
-def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
-    """Open a file of results, written under this head, for more trials; with `resume`, those that are there stay.
-
-    Raises:
-        CampaignError: it is there, and `resume` isn't asked; or it was made with other settings, which are named.
-        NotWritableError: it can't be written.
-    """
-    if not path.exists():
-        _append(path, {"campaign": _FORMAT, **head})
-        return Results(path, head)
-    if not resume:
-        advice = "continue them with --resume, remove the file, or choose another one with -o"
-        raise CampaignError(str(path), f"there are results already: {advice}")
-    results = read(path)
-    for variant, now in head["variants"].items():
-        before = results.head["variants"].get(variant)
-        changed = [] if before in (None, now) else [key for key in now if now[key] != before.get(key)]
-        if changed:
-            text = f"{variant!r} isn't what it was when these trials ran (changed: {', '.join(changed)})"
-            advice = "results of different settings aren't mixed: start a new file with -o FILE"
-            raise CampaignError(str(path), f"{text}; {advice}")
-    written = path.read_bytes()
-    if not written.endswith(b"\n"):  # what a crash has left of a line
-        path.write_bytes(written[: written.rfind(b"\n") + 1])
-    return results
-
-
-def read(path: Path) -> Results:
-    """Read results, without a last line that was cut off. Raises CampaignError where it isn't such a file."""
-    try:
-        lines = path.read_text().split("\n")
-        rows = [json.loads(line) for line in lines[:-1] if line]
-    except (OSError, ValueError) as error:
-        why = error.strerror if isinstance(error, OSError) else error
-        text = f"can't be read as results of a campaign: {why}; `grip bench CAMPAIGN` writes them"
-        raise CampaignError(str(path), text) from error
-    if not rows or not isinstance(rows[0], dict) or rows[0].get("campaign") != _FORMAT:
-        raise CampaignError(str(path), "these aren't results of a campaign: `grip bench CAMPAIGN` writes them")
-    return Results(path, rows[0], rows[1:])
-
-
-def _append(path: Path, row: Mapping[str, object] | TrialRow) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("a") as file:
-            file.write(json.dumps(row, default=str) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
-    except OSError as error:
-        raise NotWritableError(path, error, "give another file with -o") from error

@@ -1,114 +1,22 @@
-"""What results say: rates with their intervals, comparisons seed by seed, why trials failed; as text, CSV or data.
-
-Intervals of rates are Wilson's, 95 % (Wilson, Probable Inference, JASA 22, 1927). Two variants that met the same seeds
-are compared by McNemar's exact test on the seeds in which only one of them succeeded (McNemar, Psychometrika 12, 1947).
-"""
+"""Reports of a campaign: text for a terminal, a table for LaTeX, one page for a browser, rows for other programs."""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from math import comb, sqrt
-from statistics import NormalDist, median
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
-from grip_bt.app.campaign.file import Plain, Results, TrialRow
+from grip_bt.app.campaign.results import Results
+from grip_bt.app.campaign.statistics import summary
+from grip_bt.base.errors import CampaignError, MissingPartError, NotWritableError
 
-_CONFIDENCE = 0.95
-_SPREAD = NormalDist().inv_cdf((1 + _CONFIDENCE) / 2)
-
-
-def summary(results: Results) -> dict[str, Any]:
-    """Return what results say, as JSON data.
-
-    Returns:
-        `campaign`, `trials`; `variants`: name -> `trials`, `successes`, `false_successes` (contradicted),
-        `rate`, `interval` (low, high), `duration` and `wall` (median, longest [s]), `measures` (name -> median, least,
-        most, or how many are true), `failures` (reason -> how often); `compared`: name -> `seeds` in common,
-        `only_this`, `only_first`, `p`, against the first variant.
-    """
-    by_variant: dict[str, list[TrialRow]] = {name: [] for name in results.head["variants"]}
-    for row in results.rows:
-        by_variant.setdefault(row["variant"], []).append(row)
-    names, run = list(by_variant), {name for name, rows in by_variant.items() if rows}
-    others = [name for name in names[1:] if {name, names[0]} <= run]
-    compared = {name: _compared(by_variant[names[0]], by_variant[name]) for name in others}
-    return {
-        "campaign": results.head["name"],
-        "trials": len(results.rows),
-        "variants": {name: _one(rows) for name, rows in by_variant.items() if rows},
-        "compared": compared,
-    }
-
-
-def _one(rows: Sequence[TrialRow]) -> dict[str, Any]:
-    good = sum(row["success"] for row in rows)
-    low, high = _interval(good, len(rows))
-    measures: dict[str, list[Plain]] = {}
-    for row in rows:
-        for name, value in {**row["counts"], **row["measures"]}.items():
-            measures.setdefault(name, []).append(value)
-    unclear = [f"{name}: {why}" for row in rows for name, why in row["unclear"].items()]
-    return {
-        "trials": len(rows),
-        "successes": good,
-        "false_successes": sum(bool(row.get("contradicted")) for row in rows),
-        "rate": good / len(rows),
-        "interval": [round(low, 4), round(high, 4)],
-        "duration": _times(row["duration"] for row in rows),
-        "wall": _times(row["wall"] for row in rows),
-        "measures": {name: _measure(values) for name, values in measures.items()},
-        "failures": dict(Counter(reason(row) for row in rows if not row["success"]).most_common()),
-        "unclear": dict(Counter(unclear).most_common()),
-    }
-
-
-def reason(row: TrialRow) -> str:
-    """Return why a trial isn't a success, in a word or two."""
-    if row["status"] in ("error", "timed_out"):
-        lines = row["message"].strip().splitlines() or ["no message"]
-        rest = f"; {row['unconfirmed']}" if row.get("unconfirmed") else ""
-        return f"{row['status']}: {lines[-1] if lines[0].startswith('Traceback') else lines[0]}{rest}"
-    if row.get("contradicted"):
-        return f"ended as {row['outcome']}, which the referee contradicts"
-    if row["status"] == "success":
-        return f"ended as {row['outcome']}, but the campaign's condition is false"
-    return f"{row['outcome']}.{row['code']}" if row["code"] else f"{row['outcome']}"
-
-
-def _interval(good: int, of: int) -> tuple[float, float]:
-    """Return within what a rate lies, at 95 % (Wilson 1927)."""
-    squared = _SPREAD**2
-    middle, spread = good + squared / 2, _SPREAD * sqrt(good * (of - good) / of + squared / 4)
-    return max(0.0, (middle - spread) / (of + squared)), min(1.0, (middle + spread) / (of + squared))
-
-
-def _times(values: Iterable[float | None]) -> dict[str, float] | None:
-    given = [value for value in values if value is not None]
-    return {"median": round(median(given), 3), "longest": round(max(given), 3)} if given else None
-
-
-def _measure(values: Sequence[Plain]) -> dict[str, Any]:
-    given = [value for value in values if value is not None]
-    if given and all(isinstance(value, bool) for value in given):
-        return {"of": len(given), "true": sum(given)}
-    numbers = [value for value in given if isinstance(value, int | float) and not isinstance(value, bool)]
-    if numbers and len(numbers) == len(given):
-        return {"of": len(given), "median": median(numbers), "least": min(numbers), "most": max(numbers)}
-    return {"of": len(given), "values": dict(Counter(map(str, given)).most_common(5))}
-
-
-def _compared(first: Sequence[TrialRow], other: Sequence[TrialRow]) -> dict[str, Any]:
-    firsts = {row["seed"]: row["success"] for row in first}
-    others = {row["seed"]: row["success"] for row in other}
-    common = firsts.keys() & others.keys()
-    only_this = sum(others[seed] and not firsts[seed] for seed in common)
-    only_first = sum(firsts[seed] and not others[seed] for seed in common)
-    differ = only_this + only_first  # the sign test, exact: how likely is this much, or more, of a fair coin?
-    p = min(1.0, 2 * sum(comb(differ, k) for k in range(min(only_this, only_first) + 1)) / 2**differ)
-    return {"seeds": len(common), "only_this": only_this, "only_first": only_first, "p": round(p, 4)}
+PER_VARIANT = ("task sha256", "project sha256")
+"""What may differ from variant to variant."""
+ALPHA = 0.05
+"""What is less likely than this by chance is called a difference."""
 
 
 def as_text(results: Results) -> str:
@@ -127,8 +35,23 @@ def as_text(results: Results) -> str:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     table = [f"| {' | '.join(c.ljust(w) for c, w in zip(row, widths, strict=True))} |" for row in rows]
     lines += [table[0], f"|{'|'.join('-' * (width + 2) for width in widths)}|", *table[1:]]
-    first = next(iter(said["variants"]), "")
-    lines += [line for name, found in said["compared"].items() for line in ("", _comparison_text(name, first, found))]
+    for factor, levels in said["factors"].items():
+        lines += ["", f"{factor}:", *(f"  {level}: {_rate_text(one)}" for level, one in levels.items())]
+    for pairs in said["compared"].values():
+        lines += [line for pair in pairs for line in ("", _comparison_text(pair))]
+    if said["repeated"]:
+        differ = {trial: words for trial, words in said["repeated"].items() if words != "the same"}
+        lines += [
+            "",
+            f"{len(said['repeated'])} trials were run again in new processes; {len(differ) or 'none'} differed.",
+        ]
+        lines += [f"  {trial}: {words}" for trial, words in differ.items()]
+    for name, words in said["made"].items():
+        lines += (
+            ["", f"not all with the same {name}: {'; '.join(words)}"]
+            if len(words) > 1 and name not in PER_VARIANT
+            else []
+        )
     for name, one in said["variants"].items():
         for said_of, found in (("successful", one["failures"]), ("computed", one["unclear"])):
             if found:
@@ -136,14 +59,21 @@ def as_text(results: Results) -> str:
     return "\n".join(lines)
 
 
-def _comparison_text(name: str, first: str, compared: Mapping[str, Any]) -> str:
-    if not compared["only_this"] + compared["only_first"]:
-        return f"{name} and {first}: the same on all {compared['seeds']} seeds."
-    verdict = "a difference" if compared["p"] < 1 - _CONFIDENCE else "no difference that these seeds show"
-    return (
-        f"{name} against {first}, {compared['seeds']} seeds: only {name} in {compared['only_this']}, only {first} in"
-        f" {compared['only_first']} (McNemar, p = {compared['p']:.3f}: {verdict})."
-    )
+def _rate_text(one: Mapping[str, Any]) -> str:
+    low, high = one["interval"]
+    return f"{one['successes']} of {one['trials']} ({one['rate']:.0%}, {low:.0%} to {high:.0%})"
+
+
+def _comparison_text(pair: Mapping[str, Any]) -> str:
+    one, two = pair["first"], pair["second"]
+    verdict = "a difference" if pair["holm"] < ALPHA else "no difference that these trials show"
+    chance = f"{pair['test']}, p = {pair['p']:.3g}, by Holm {pair['holm']:.3g}: {verdict}"
+    if not pair["pairs"]:
+        return f"{one} and {two}, not in pairs ({chance})."
+    if not pair["only_first"] + pair["only_second"]:
+        return f"{one} and {two}: the same in all {pair['pairs']} pairs."
+    only = f"only {one} in {pair['only_first']}, only {two} in {pair['only_second']}"
+    return f"{one} and {two}, {pair['pairs']} pairs: {only} ({chance})."
 
 
 def _measure_text(measure: Mapping[str, Any] | None) -> str:
@@ -161,15 +91,101 @@ def _time_text(times: Mapping[str, float] | None) -> str:
     return "-" if times is None else f"{times['median']:.1f} (longest {times['longest']:.1f})"
 
 
+KNOWN = "trial variant seed success contradicted status outcome code message duration wall run unconfirmed repeated"
+
+
+def records(results: Results) -> list[dict[str, Any]]:
+    """Return a flat record a trial, all with the same keys: what is known of it, levels, measures, provenance."""
+    found = []
+    for row in results.rows:
+        truth = " ".join(f"{name}={state}" for name, state in (row["truth"] or {}).items())
+        known = {key: row.get(key) for key in KNOWN.split()}
+        more = {**row.get("levels", {}), **row["counts"], **row["measures"], **row.get("judged", {})}
+        found.append({**known, **more, "truth": truth, **row.get("provenance", {})})
+    keys = list(dict.fromkeys(key for record in found for key in record))
+    return [{key: record.get(key) for key in keys} for record in found]
+
+
 def as_csv(results: Results) -> str:
     """Return a line a trial, for spreadsheets and data frames."""
-    extra = list(dict.fromkeys(name for row in results.rows for name in {**row["counts"], **row["measures"]}))
-    known = "variant seed success contradicted status outcome code message duration wall run unconfirmed".split()
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow([*known, *extra, "truth"])
-    for row in results.rows:
-        values = {**row["counts"], **row["measures"]}
-        truth = " ".join(f"{name}={state}" for name, state in (row["truth"] or {}).items())
-        writer.writerow([*(row.get(key) for key in known), *(values.get(name) for name in extra), truth])
+    rows, out = records(results), io.StringIO()
+    writer = csv.DictWriter(out, list(rows[0]) if rows else KNOWN.split(), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
     return out.getvalue()
+
+
+def as_latex(results: Results) -> str:
+    """Return a table for LaTeX with `booktabs`: rates with their intervals, by factor and level, or by variant."""
+    said = summary(results)
+    groups = said["factors"] or {"variant": said["variants"]}
+    lines = [r"\begin{tabular}{llrrr}", r"\toprule", r" & & trials & success & 95\,\% interval \\"]
+    for factor, levels in groups.items():
+        lines.append(r"\midrule")
+        for level, one in levels.items():
+            low, high = (100 * bound for bound in one["interval"])
+            shown = rf"{100 * one['rate']:.1f}\,\% & {low:.1f}--{high:.1f}\,\%"
+            lines.append(rf"{_escaped(factor)} & {_escaped(level)} & {one['trials']} & {shown} \\")
+            factor = ""
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
+
+
+def _escaped(text: str) -> str:
+    return "".join(f"\\{each}" if each in "&%$#_{}" else each for each in text)
+
+
+def as_html(results: Results) -> str:
+    """Return one page that needs nothing else: plots of rates, of two factors against each other, and all tables."""
+    from jinja2 import Environment
+
+    said = summary(results)
+    template = Environment(autoescape=True).from_string(Path(__file__).with_name("report.html").read_text("utf-8"))
+    axes = list(said["factors"])[:2]
+    cells: dict[tuple[str, ...], list[int]] = {}
+    for row in results.rows if len(axes) == 2 else ():
+        cell = cells.setdefault(tuple(row["levels"][axis] for axis in axes), [0, 0])
+        cell[0], cell[1] = cell[0] + row["success"], cell[1] + 1
+    groups = said["factors"] or {"variant": said["variants"]}
+    return template.render(
+        said=said, groups=groups, doc=results.head["doc"], axes=axes, cells=cells, rows=records(results)
+    )
+
+
+def write_parquet(results: Results, file: Path) -> None:
+    """Write a record a trial. Raises MissingPartError where pyarrow isn't installed."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
+        raise MissingPartError(f"Parquet ({error})", "pip install 'grip-bt[parquet]'") from None
+    parquet.write_table(pyarrow.Table.from_pylist(records(results)), file)
+
+
+FORMS: Mapping[str, Callable[[Results], str]] = {
+    ".txt": as_text,
+    ".md": as_text,
+    ".csv": as_csv,
+    ".json": lambda results: json.dumps(summary(results)),
+    ".tex": as_latex,
+    ".html": as_html,
+}
+
+
+def write_report(results: Results, file: Path) -> None:
+    """Write what results say in the form that the file's ending says.
+
+    Raises:
+        CampaignError: there is no such form.
+        MissingPartError: what it needs isn't installed.
+        NotWritableError: it can't be written there.
+    """
+    form = FORMS.get(file.suffix)
+    if form is None and file.suffix != ".parquet":
+        raise CampaignError(str(file), f"reports end in {', '.join((*FORMS, '.parquet'))}")
+    try:
+        if form is None:
+            write_parquet(results, file)
+        else:
+            file.write_text(form(results), "utf-8")
+    except OSError as error:
+        raise NotWritableError(file, error, "give another file with -o") from error

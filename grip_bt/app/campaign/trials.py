@@ -1,22 +1,25 @@
-"""Trials, each in a supervised process, several at once; and what a campaign makes of each: success, and measures."""
+"""Trials, in supervised processes, several at once; and what a campaign makes of each: success, and measures."""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.campaign.file import Campaign, Plain, TrialRow
+from grip_bt.app.campaign.file import Campaign, Plain
+from grip_bt.app.campaign.provenance import difference, provenance
+from grip_bt.app.campaign.results import TrialRow
+from grip_bt.app.campaign.statistics import wilson
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
 from grip_bt.app.project.worlds import STATES, world_of
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
 from grip_bt.app.runs.mocks import apply_mocks, check_nodes, scripted
-from grip_bt.app.runs.supervisor import Supervisor
+from grip_bt.app.runs.supervisor import RunProcess, Supervisor
 from grip_bt.base.errors import EvaluationError, ExpressionError, nearest
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import parse_expression
@@ -26,24 +29,51 @@ from grip_bt.runtime.control import RunEnd
 from grip_bt.runtime.motion_end import Rest
 
 _Trial = tuple[str, int]
+MOST = 500
+"""A process executes so many trials."""
+_WRONG = ("error", "timed_out")
 _Compile = Callable[..., Callable[[], object]]
 _WAKE = 0.2
 """How often who waits for the trials looks up [s]: a Ctrl-C that another thread is given by the system wakes nobody."""
 
 
 class Trials:
-    """Runs trials of a campaign; one whose tick takes longer than `watchdog` [s] ends as an error."""
+    """Runs trials of a campaign; one whose tick takes longer than `watchdog` [s] ends as an error.
 
-    def __init__(self, campaign: Campaign, journal: Path, ended: Callable[[TrialRow], None], watchdog: float = 10.0):
+    Trials share processes: planner, simulator and servers of components stay from one to the next, the world doesn't.
+    A process ends with what goes wrong in it, and after `MOST` trials.
+
+    Args:
+        before: rows of earlier trials, by which the rule tells that a variant isn't tried any more.
+        fresh: whether each trial has processes of its own.
+    """
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        journal: Path,
+        ended: Callable[[TrialRow], None],
+        watchdog: float = 10.0,
+        before: Iterable[TrialRow] = (),
+        fresh: bool = False,
+    ):
         self._campaign, self._journal, self._ended, self._watchdog = campaign, journal, ended, watchdog
-        self._lock = threading.Lock()
+        self._fresh, self._lock = fresh, threading.RLock()
         self._stopped = threading.Event()
         self._under_way: set[Supervisor] = set()
+        self._left: deque[_Trial] = deque()
+        self._tally = dict.fromkeys(campaign.file.variants, (0, 0))
+        every = campaign.file.repeat if campaign.file.robot == "sim" else 0
+        self._repeated = set(campaign.trials()[every - 1 :: every]) if every else set()
+        self._provenance = {name: provenance(campaign, name) for name in campaign.file.variants}
+        for row in before:
+            self._count(row)
 
     def run(self, trials: Iterable[_Trial], workers: int = 1) -> None:
         """Run them all, `workers` at a time, to their ends or `stop`; what `ended` raises stops them, and is raised."""
+        self._left.extend(trials)
         with ThreadPoolExecutor(workers) as pool:
-            jobs = [pool.submit(self._trial, *trial) for trial in trials]
+            jobs = [pool.submit(self._work) for _ in range(workers)]
             while (state := wait(jobs, _WAKE)).not_done:
                 if any(job.exception() for job in state.done):
                     self.stop()
@@ -61,12 +91,72 @@ class Trials:
         for supervisor in list(self._under_way):
             supervisor.stop()
 
-    def _trial(self, variant: str, seed: int) -> None:
-        if self._stopped.is_set():
-            return
+    @property
+    def left(self) -> int:
+        """How many aren't begun, of variants that are tried on."""
+        with self._lock:
+            return sum(not self.enough(variant) for variant, _ in self._left)
+
+    def enough(self, variant: str) -> bool:
+        """Tell whether the campaign's rule says that a variant was tried often enough."""
+        rule, (good, tried) = self._campaign.file.stop, self._tally.get(variant, (0, 0))
+        if rule is None or tried < rule.least:
+            return False
+        low, high = wilson(good, tried)
+        return high - low <= rule.width
+
+    def _count(self, row: TrialRow) -> None:
+        good, tried = self._tally.get(row["variant"], (0, 0))
+        self._tally[row["variant"]] = good + row["success"], tried + 1
+
+    def _next(self) -> _Trial | None:
+        with self._lock:
+            while self._left and not self._stopped.is_set():
+                trial = self._left.popleft()
+                if not self.enough(trial[0]):
+                    return trial
+        return None
+
+    def _work(self) -> None:
+        """Run trials until none is left, in one process as long as nothing goes wrong."""
+        process, trials = None, 0
+        try:
+            while (trial := self._next()) is not None:
+                if process is not None and (trials >= MOST or not process.waits):
+                    process.close()
+                    process = None
+                if process is None and not self._fresh:
+                    process, trials = RunProcess(own_input=False), 0
+                row, trials = self._trial(*trial, process), trials + 1
+                if row is None:
+                    return
+                with self._lock:
+                    self._count(row)
+                    self._ended(row)
+                if row["status"] in _WRONG and process is not None:
+                    process.close()
+                    process = None
+        finally:
+            if process is not None:
+                process.close()
+
+    def once(self, variant: str, seed: int) -> TrialRow | None:
+        """Run one trial in processes of its own, and return its row; None where it was stopped."""
+        return self._one(variant, seed, None)
+
+    def _trial(self, variant: str, seed: int, process: RunProcess | None) -> TrialRow | None:
+        row = self._one(variant, seed, process)
+        if row is not None and (variant, seed) in self._repeated and row["status"] not in _WRONG:
+            again = self._one(variant, seed, None)
+            if again is None:
+                return None
+            row["repeated"] = difference(self._journal, row["run"], again["run"]) or "the same"
+        return row
+
+    def _one(self, variant: str, seed: int, process: RunProcess | None) -> TrialRow | None:
         began, late, said = time.monotonic(), threading.Event(), self._campaign.file
         task, options = str(self._campaign.task(variant)), self._options(variant, seed)
-        supervisor = Supervisor(task, options, lambda event: None, self._watchdog, own_input=False)
+        supervisor = Supervisor(task, options, lambda event: None, self._watchdog, own_input=False, process=process)
 
         def too_late() -> None:
             late.set()
@@ -85,14 +175,15 @@ class Trials:
         with self._lock:
             self._under_way.discard(supervisor)
         if self._stopped.is_set() and not late.is_set():
-            return
+            return None
         if late.is_set() and end.get("status") == "stopped":
             end |= {"status": "timed_out", "message": f"not done after {said.timeout:g} s of wall time"}
         elif end["event"] == "failed":
             end |= {"status": "error"}
         row = judged(self._campaign, end, time.monotonic() - began, supervisor.started)
-        with self._lock:
-            self._ended({"variant": variant, "seed": seed, **row})
+        what = {"trial": f"{variant}@{seed}", "variant": variant, "seed": seed}
+        levels = {"levels": self._campaign.levels[variant]} if variant in self._campaign.levels else {}
+        return TrialRow(**{**what, **levels, **row, "provenance": self._provenance[variant]})  # type: ignore[typeddict-item]
 
     def _options(self, variant: str, seed: int) -> RunOptions:
         said, settings = self._campaign.file, self._campaign.file.variants[variant]
@@ -100,6 +191,8 @@ class Trials:
             target=settings.form,
             robot=said.robot,
             seed=seed,
+            world=settings.world,
+            object=settings.object,
             data=settings.set,
             mocks=scripted(settings.mocks),
             faults=settings.faults,
@@ -125,7 +218,7 @@ def check(campaign: Campaign) -> None:
         if name in _KNOWN:
             raise campaign.error(f"{name!r} is known of every trial already; choose another name")
     for variant, settings in said.variants.items():
-        project, document, _ = check_task(campaign.task(variant))
+        project, document, _ = check_task(campaign.task(variant), world=settings.world)
         check_inputs(document, settings.set)
         mocks = scripted(settings.mocks)
         task, catalog, _ = apply_mocks(document.task, catalogue_of(project), mocks)
@@ -139,7 +232,8 @@ def check(campaign: Campaign) -> None:
         for given in settings.set:
             if given not in variables:
                 raise campaign.error(f"{variant}/set: the task has no variable {given!r}{nearest(given, variables)}")
-        conditions = world_of(project, campaign.seeds[0]).judge if said.robot == "sim" and project.file.world else {}
+        simulated = said.robot == "sim" and project.file.world
+        conditions = world_of(project, campaign.seeds[0], object=settings.object).judge if simulated else {}
         names = {*_KNOWN, *said.count, *variables, *conditions}
         for place, text in (("success", said.success), *((f"measure/{k}", v) for k, v in said.measure.items())):
             try:

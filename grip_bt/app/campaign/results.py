@@ -1,0 +1,135 @@
+"""The file of a campaign's results: a head, and a line for each trial, which is on disk when the trial is over."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypedDict
+
+from grip_bt.app.campaign.file import Plain
+from grip_bt.base.errors import CampaignError, NotWritableError
+
+_FORMAT = 1
+
+
+class TrialRow(TypedDict, total=False):
+    """A trial, and what came of it; `_trial` and `judged` say what each is."""
+
+    trial: str
+    variant: str
+    levels: Mapping[str, str]
+    seed: int
+    status: str
+    outcome: str | None
+    code: str | None
+    message: str
+    duration: float | None
+    wall: float
+    run: str | None
+    truth: Mapping[str, str] | None
+    contradicted: bool
+    judged: dict[str, bool]
+    unconfirmed: str
+    counts: dict[str, int]
+    measures: dict[str, Plain]
+    success: bool
+    unclear: dict[str, str]
+    repeated: str
+    provenance: Mapping[str, str]
+
+
+@dataclass
+class Results:
+    """A file of results: its head (`name`, `doc`, `variants`: name -> settings), and trials in order of their ends."""
+
+    path: Path
+    head: Mapping[str, Any]
+    rows: list[TrialRow] = field(default_factory=list)
+
+    @property
+    def done(self) -> set[tuple[str, int]]:
+        """The trials that are there."""
+        return {(row["variant"], row["seed"]) for row in self.rows}
+
+    def add(self, row: TrialRow) -> None:
+        """Write a trial; it is on disk when this returns. Raises NotWritableError where it can't be written."""
+        _append(self.path, row)
+        self.rows.append(row)
+
+
+@contextmanager
+def alone(path: Path) -> Iterator[None]:
+    """Keep others from adding to these results meanwhile.
+
+    Raises:
+        CampaignError: somebody does it already.
+        NotWritableError: it can't be written there.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        lock = path.with_suffix(".lock").open("a")
+    except OSError as error:
+        raise NotWritableError(path, error, "give another file with -o") from error
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise CampaignError(str(path), "another `grip bench` is at work on these results") from None
+        yield
+
+
+def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
+    """Open a file of results, written under this head, for more trials; with `resume`, those that are there stay.
+
+    Raises:
+        CampaignError: it is there, and `resume` isn't asked; or it was made with other settings, which are named.
+        NotWritableError: it can't be written.
+    """
+    if not path.exists():
+        _append(path, {"campaign": _FORMAT, **head})
+        return Results(path, head)
+    if not resume:
+        advice = "continue them with --resume, remove the file, or choose another one with -o"
+        raise CampaignError(str(path), f"there are results already: {advice}")
+    results = read(path)
+    for variant, now in head["variants"].items():
+        before = results.head["variants"].get(variant)
+        changed = [] if before in (None, now) else [key for key in now if now[key] != before.get(key)]
+        if changed:
+            text = f"{variant!r} isn't what it was when these trials ran (changed: {', '.join(changed)})"
+            advice = "results of different settings aren't mixed: start a new file with -o FILE"
+            raise CampaignError(str(path), f"{text}; {advice}")
+    written = path.read_bytes()
+    if not written.endswith(b"\n"):  # what a crash has left of a line
+        path.write_bytes(written[: written.rfind(b"\n") + 1])
+    return results
+
+
+def read(path: Path) -> Results:
+    """Read results, without a last line that was cut off. Raises CampaignError where it isn't such a file."""
+    try:
+        lines = path.read_text().split("\n")
+        rows = [json.loads(line) for line in lines[:-1] if line]
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        text = f"can't be read as results of a campaign: {why}; `grip bench CAMPAIGN` writes them"
+        raise CampaignError(str(path), text) from error
+    if not rows or not isinstance(rows[0], dict) or rows[0].get("campaign") != _FORMAT:
+        raise CampaignError(str(path), "these aren't results of a campaign: `grip bench CAMPAIGN` writes them")
+    return Results(path, rows[0], rows[1:])
+
+
+def _append(path: Path, row: Mapping[str, object] | TrialRow) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("a") as file:
+            file.write(json.dumps(row, default=str) + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        raise NotWritableError(path, error, "give another file with -o") from error
