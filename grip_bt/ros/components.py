@@ -63,10 +63,10 @@ class Components(Closing):
     @property
     def settled(self) -> bool:
         """Whether all processes live, and no server can be at work for a call or a goal any more."""
-        processes = [running.process for running in self._running.values() if running.process is not None]
-        clients = [running.client for running in self._running.values()]
+        clients = [component.client for component in self._components.values()]
         calls = [client for client in clients if isinstance(client, (ServiceClient, ActionClient))]
-        return all(process.alive for process in processes) and all(client.settled for client in calls)
+        alive = all(process is None or process.alive for process in self._processes.values())
+        return alive and all(client.settled for client in calls)
 
     def wait_ready(self) -> None:
         """Wait until every server is there.
