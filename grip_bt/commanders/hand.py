@@ -16,7 +16,7 @@ from grip_bt.base.failures import NoContactError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import HandPort
 from grip_bt.base.values import JointState
-from grip_bt.base.values.joints import Closing
+from grip_bt.base.values.joints import Closing, Span
 
 from .taught import TaughtStates
 
@@ -66,8 +66,11 @@ class Synergies:
 
 Reach = Callable[[Mapping[str, Sequence[float]], JointState, str], JointState]
 """Targets, a posture to begin at, a frame (empty for the hand's grasp frame) -> posture."""
+SpansOf = Callable[[Sequence[JointState]], Sequence[Span]]
 OPENING_TIME = 0.8
 CLOSING_TIME = 1.2
+STEPS = 33
+"""From open to closed."""
 TOUCH = 0.1
 """A contact counts from this force on [N]; solvers report whispers."""
 
@@ -84,6 +87,7 @@ class HandCommander:
         taught: what was taught before; nothing when None.
         reach: returns the posture, near another, that brings fingertips or links to positions in a frame; see
             `kinematics.fingertips.fingertip_posture`. Without it, the hand's geometry isn't known.
+        spans: likewise, what is between the fingers in postures; see `kinematics.spans.spans_of`.
     """
 
     def __init__(
@@ -95,8 +99,9 @@ class HandCommander:
         limits: Mapping[str, tuple[float, float]] | None = None,
         taught: TaughtStates | None = None,
         reach: Reach | None = None,
+        spans: SpansOf | None = None,
     ):
-        self._reach = reach
+        self._reach, self._measure, self._spans = reach, spans, tuple[Span, ...]()
         self._name, self._port, self._postures = name, port, dict(postures)
         self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
         self._limits = dict(limits or {})
@@ -169,6 +174,16 @@ class HandCommander:
         if self._reach is None:
             raise ValueError(f"hand {self._name!r}: its geometry isn't known, so its fingertips can't be placed")
         return self._reach(targets, self._port.state(), frame)
+
+    def spans(self) -> Sequence[Span]:
+        if self._measure is None:
+            raise ValueError(f"hand {self._name!r}: its geometry isn't known, so no grasps can be proposed for it")
+        if not self._spans:
+            goal = self._postures["closed"]
+            start, names = self._postures["open"].ordered(goal.names), goal.names
+            ways = (start + share * (goal.position - start) for share in np.linspace(0, 1, STEPS))
+            self._spans = tuple(self._measure([JointState(names, way) for way in ways]))
+        return self._spans
 
     def synergy(self, weights: Sequence[float]) -> JointState:
         opened = self._postures["open"].as_mapping()  # what a posture doesn't name is as in `open`

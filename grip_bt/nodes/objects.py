@@ -17,8 +17,6 @@ PLACED = "placed_"
 """Objects that were put down in a target; they stay."""
 TABLE_GAP = 0.003
 """Boxes of objects end this far above what they stand on [m], so that lifting one doesn't begin with a contact."""
-FINGER_DEPTHS = (0.06, 0.09)
-"""How far in front of the palm finger tips may pinch an object [m]."""
 HELD = "held_"
 """Objects that move with a hand; the rest of the name is the hand's."""
 
@@ -35,20 +33,10 @@ def _distance_to_box(point: ArrayLike, size: ArrayLike, pose: Pose) -> float:
     return float(distances_to_box(np.atleast_2d(np.asarray(point, dtype=float)), size, pose)[0])
 
 
-def closing_point(grasp: Grasp) -> NDArray[np.float64]:
-    """Return where the middle of the grasped object is, shape (3,) [m]: half its width in front of the palm."""
-    depth = max(grasp.width, 0.03) / 2
-    return grasp.pose.position + depth * grasp.pose.rotation()[:, 2]
-
-
 def object_at(scene: Scene, grasp: Grasp, within: float = 0.03) -> str | None:
-    """Return the seen object that a grasp takes, or None when there is none `within` [m] of where it closes.
-
-    That is its closing point or, for a pinch with the finger tips, further out along the palm's normal.
-    """
+    """Return the seen object that a grasp takes, or None when there is none `within` [m] of where it closes."""
     seen = [(n, *scene.box(n)) for n in scene.names() if n.startswith(SEEN)]
-    normal = grasp.pose.rotation()[:, 2]
-    for point in (closing_point(grasp), *(grasp.pose.position + depth * normal for depth in FINGER_DEPTHS)):
+    for point in grasp.closing_points():
         distance, name = min(
             ((_distance_to_box(point, size, pose), n) for n, size, pose in seen), default=(np.inf, None)
         )

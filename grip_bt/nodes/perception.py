@@ -20,7 +20,6 @@ from grip_bt.nodes.evidence import Evidence, EvidenceLimits, hand_evidence, hold
 from grip_bt.nodes.hand import HandLeaf
 from grip_bt.nodes.leaf import OperationLeaf, Status
 from grip_bt.nodes.motion import first_of, go
-from grip_bt.nodes.objects import closing_point
 
 
 class Sense(OperationLeaf):
@@ -124,7 +123,7 @@ def changed(
     """
     if before.depth.info != after.depth.info:
         raise SensorError("the two frames were not taken by one camera that stood still")
-    place = None if grasp is None else closing_point(grasp)
+    place = None if grasp is None else grasp.closing_points()[0]
     return context.run_in_worker(lambda: compare(before, after, place, limits))
 
 

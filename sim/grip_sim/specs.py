@@ -21,6 +21,7 @@ from grip_bt.base.yaml.models import Finite, NotNegative, Positive
 from grip_sim.articulated.model import ArticulatedConfig, Size, Vector
 from grip_sim.faults import Fault
 from grip_sim.noise import Noise
+from grip_sim.shaking import MEASURE, ShakeConfig
 
 Shade = Annotated[int, Field(ge=0, le=255)]
 Colour = tuple[Shade, Shade, Shade]
@@ -230,6 +231,7 @@ class WorldSpec:
         judge: name -> condition over what the referee finds, see `grip_sim.referee`.
         faults: name -> what goes wrong on purpose.
         articulated: name -> a drawer, a button, a bottle with a screw cap. A drawer's cabinet is among the boxes.
+        shake: what objects have to stay in the hand through; None where nobody asks.
     """
 
     robot: str = "panda_allegro"
@@ -246,11 +248,13 @@ class WorldSpec:
     judge: Mapping[str, str] = field(default_factory=dict)
     faults: Mapping[str, Fault] = field(default_factory=dict)
     articulated: Mapping[str, ArticulatedConfig] = field(default_factory=dict)
+    shake: ShakeConfig | None = None
 
     @property
     def measures(self) -> tuple[str, ...]:
-        """Names of the numbers that the referee has of articulated objects."""
-        return tuple(measure for name, said in self.articulated.items() for measure in said.measures(name))
+        """Names of the numbers that the referee has besides those of objects: of what has joints, and of a shake."""
+        own = (measure for name, said in self.articulated.items() for measure in said.measures(name))
+        return (*own, *([MEASURE] if self.shake else ()))
 
     def to_json(self) -> object:
         """Return the spec as JSON data."""

@@ -26,6 +26,7 @@ from grip_sim.faults import Faults
 from grip_sim.objects import load_object
 from grip_sim.physics import FIXED, SLIPPERY, SOLID, add_model, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
+from grip_sim.shaking import MEASURE, Shaking
 from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, WorldSpec
 
 
@@ -91,6 +92,7 @@ class World:
         self.faults = Faults(spec.faults, spec.seed, self)
         links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
         seen = [*still, *self._robot_targets(), *self._object_targets(), *links]
+        self._shaking = self._watch()
         self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links}, self.faults)
 
     @property
@@ -110,6 +112,8 @@ class World:
         self._moved.clear()
         for hand, rows in self.robot.pressing().items():
             self.robot.regulate(rows, self.pressed(hand), self.spec.dt)
+        if self._shaking is not None:
+            self._shaking.stepped(self.time)
         self.cameras.stepped(self.time)
 
     def object_pose(self, name: str) -> Pose:
@@ -188,8 +192,10 @@ class World:
         return total / 2
 
     def measures(self) -> dict[str, float]:
-        """Return the numbers that the referee has of articulated objects, such as `cabinet_opened`."""
-        return {f"{name}_{key}": n for name, each in self.articulated.items() for key, n in each.measures().items()}
+        """Return the numbers that the referee has of articulated objects, such as `cabinet_opened`, and of a shake."""
+        shaken = {} if self._shaking is None else {MEASURE: float(self._shaking.count)}
+        own = {f"{name}_{key}": n for name, each in self.articulated.items() for key, n in each.measures().items()}
+        return own | shaken
 
     def look(self, camera: str) -> Frame:
         """Take a frame with a camera. Raises UnknownNameError where there is no such camera."""
@@ -212,6 +218,7 @@ class World:
             raise ValueError(f"the state is of another world: this one has {len(self._objects)} objects")
         states = {name: kept[f"articulated.{name}"] for name in self.articulated}
         self.robot.put_back(kept)
+        self._shaking = self._watch()
         for name, state in states.items():
             self.articulated[name].put_back(state)
         for body, pose, speed in zip(self._objects.values(), poses, speeds, strict=True):
@@ -229,6 +236,13 @@ class World:
         for each in self.articulated.values():
             digest.update(np.asarray(each.kept(), dtype=np.float32).tobytes())
         return digest.hexdigest()
+
+    def _watch(self) -> Shaking | None:
+        return None if self.spec.shake is None else Shaking(self.spec.shake, self._in_hand)
+
+    def _in_hand(self) -> tuple[Array, dict[str, Pose]]:
+        palm = self.link_pose(self.robot.description.grasp_frame.link)
+        return palm.position, {name: palm.inverse() @ self.object_pose(name) for name in self._objects}
 
     def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
         if name not in self._objects:

@@ -25,6 +25,7 @@ from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.joined import JoinedExecutor
 from grip_bt.commanders.kinematics.fingertips import fingertip_posture
 from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.kinematics.spans import spans_of
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
@@ -94,6 +95,7 @@ def commanded(
     project, file = opening.project, opening.project.file
     model = opening.equipment.get(f"model {description.name}", description, lambda _: RobotModel(description))
     taught = TaughtStates(project.folder / TAUGHT)
+    carried_by = {arm.hand: arm.group for arm in file.arms.values()}
     hands = {
         name: HandCommander(
             name,
@@ -102,9 +104,8 @@ def commanded(
             fingers=joints_of_fingers(description, hand.group),
             limits=limits_of_joints(description, hand.group),
             taught=taught,
-            reach=partial(
-                _reached, model, hand.group, next((a.group for a in file.arms.values() if a.hand == name), "")
-            ),
+            reach=partial(_reached, model, hand.group, carried_by.get(name, "")),
+            spans=partial(spans_of, model, hand.group, model.grasp_frame_of(carried_by.get(name, ""))),
         )
         for name, hand in file.hands.items()
     }

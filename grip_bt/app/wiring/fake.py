@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -33,6 +33,7 @@ from grip_bt.base.values import (
     Trajectory,
     WayPoint,
 )
+from grip_bt.base.values.joints import Span
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import joints_of_fingers
 from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand, FakeRos, FakeSensor
@@ -180,8 +181,18 @@ def _hand(
         fingers=fingers,
         taught=taught,
         reach=lambda targets, posture, frame: posture,  # a fake has no geometry: it is there already
+        spans=_spans,
     )
     return port, commander
+
+
+def _spans(postures: Sequence[JointState]) -> list[Span]:
+    """Return what would be between the fingers of a parallel gripper of common size."""
+    gaps, corners = np.linspace(0.1, 0.0, len(postures)), np.array([[0.03, 0.08, 0.01], [-0.03, -0.08, -0.12]])
+    return [
+        Span(p, gap, np.zeros(3), np.array([0.0, 1.0, 0.0]), 0.05, corners)
+        for p, gap in zip(postures, gaps, strict=True)
+    ]
 
 
 def open_fakes(opening: Opening, stack: ExitStack) -> Resources:

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState
-from grip_bt.base.values.joints import Closing
+from grip_bt.base.values.joints import Closing, Span
 
 
 @runtime_checkable
@@ -95,6 +95,13 @@ class Hand(Protocol):
             NoIkError: they can't be reached; `data['distances']` tells how far they stay away, by name.
             UnknownNameError: there is no such finger, link or frame.
             ValueError: a position isn't 3 finite numbers, or the hand's geometry isn't known.
+        """
+
+    def spans(self) -> Sequence[Span]:
+        """Return what is between the fingers on their way from `open` to `closed`, in even steps.
+
+        Raises:
+            ValueError: the hand's geometry isn't known, or it has less than two fingers.
         """
 
     def synergy(self, weights: Sequence[float]) -> JointState:

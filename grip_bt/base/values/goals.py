@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from grip_bt.base.arrays import ComparesArrays
+from grip_bt.base.arrays import Array, ComparesArrays
 
 from .joints import JointState
 from .pose import Pose, check_frame
@@ -42,6 +42,14 @@ class Grasp(ComparesArrays):
         frames = {self.pose.frame, self.pre_grasp.frame, self.post_grasp.frame}
         if len(frames) > 1:
             raise ValueError(f"the poses of a grasp are given in one frame, not in {sorted(frames)}")
+
+    def closing_points(self) -> Array:
+        """Return where the object may be, the likeliest first, shape (3, 3) [m]: along the palm's normal.
+
+        Its middle is half its width in front of the palm or, for a pinch with the finger tips, further out.
+        """
+        depths = np.array([[max(self.width, 0.03) / 2], [0.06], [0.09]])
+        return np.asarray(self.pose.position + depths * self.pose.rotation()[:, 2])
 
 
 @dataclass(frozen=True, slots=True)

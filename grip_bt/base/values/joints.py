@@ -77,6 +77,36 @@ class Closing:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Span(ComparesArrays):
+    """What lies between a hand's thumb and the fingers that oppose it, in one posture; between a gripper's two fingers.
+
+    Attributes:
+        gap: free width between the tips, negative where they overlap [m].
+        middle: between the tips, in the grasp frame, shape (3,) [m].
+        axis: from the thumb's tip to the fingers', a unit vector in the grasp frame, shape (3,).
+        depth: how far what is as wide as the gap reaches in between the fingers, beyond `middle` [m].
+        corners: points whose hull holds the hand, in the grasp frame, shape (k, 3) [m].
+    """
+
+    posture: JointState
+    gap: float
+    middle: Array
+    axis: Array
+    depth: float
+    corners: Array
+
+    def __post_init__(self) -> None:
+        self._freeze((3,), "middle", "axis")
+        self._freeze((len(self.corners), 3), "corners")
+
+    @property
+    def inward(self) -> Array:
+        """At right angles to `axis`, out of the palm towards the tips, as nearly along z as can be, shape (3,)."""
+        inward = np.array([0.0, 0.0, 1.0]) - self.axis[2] * self.axis
+        return np.asarray(inward / np.linalg.norm(inward))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Trajectory(ComparesArrays):
     """A timed path of named joints.
 

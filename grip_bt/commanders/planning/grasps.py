@@ -25,8 +25,6 @@ from .straight import straight_path, world_pose
 
 TARGET_WITHIN = 0.03
 """The object nearest to the closing point, at most this far from it [m], is the one that a grasp takes."""
-FINGER_DEPTHS = (0.06, 0.09)
-"""How far in front of the palm finger tips may pinch an object [m]."""
 _RESTARTS = 10
 _WARM = 3
 _SOLUTIONS = 4
@@ -36,19 +34,9 @@ _LONGEST = 10.0
 """CPU time after which the search for it ends the whole choice [s]."""
 
 
-def closing_point(grasp: Grasp) -> Array:
-    """Return the middle of what is between palm and fingers, shape (3,) [m]: half its width in front of the palm."""
-    return grasp.pose.position + max(grasp.width, 0.03) / 2 * grasp.pose.rotation()[:, 2]
-
-
 def target_of(grasp: Grasp, scene: SceneSnapshot) -> str | None:
-    """Return the name of the object that a grasp takes, or None when the scene has none there.
-
-    It is looked for at the closing point and then, for a pinch with the finger tips, further out from the palm.
-    """
-    normal = grasp.pose.rotation()[:, 2]
-    points = [closing_point(grasp), *(grasp.pose.position + depth * normal for depth in FINGER_DEPTHS)]
-    return next((near[0] for point in points if (near := scene.around(point, TARGET_WITHIN))), None)
+    """Return the name of the object that a grasp takes, or None when the scene has none there."""
+    return next((near[0] for point in grasp.closing_points() if (near := scene.around(point, TARGET_WITHIN))), None)
 
 
 def choose_grasp(

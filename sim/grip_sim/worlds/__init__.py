@@ -121,6 +121,7 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "", models: 
         judge=world.judge,
         faults=world.faults,
         articulated=world.articulated,
+        shake=world.shake,
     )
 
 

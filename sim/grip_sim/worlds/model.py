@@ -11,6 +11,7 @@ from grip_bt.commanders.description.config import RobotConfig
 from grip_sim.articulated.model import ArticulatedConfig, Size, Vector
 from grip_sim.faults import Fault, rising
 from grip_sim.noise import Noise
+from grip_sim.shaking import ShakeConfig
 from grip_sim.specs import Colour
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
@@ -176,6 +177,8 @@ class WorldFile(Settings):
     cameras: dict[Name, CameraConfig] = {}
     judge: dict[Name, str] = {}
     """Name -> condition over what the referee finds in the end, such as `placed == objects`; see docs/worlds.md."""
+    shake: ShakeConfig | None = None
+    """A shake of the hand that `judge` knows of, as `held_through_shake`; `{}` for the usual one."""
     faults: dict[Name, Fault] = {}
     """What goes wrong on purpose; see docs/worlds.md."""
     floor: Annotated[float, Field(le=0, allow_inf_nan=False)] = -0.75

@@ -1,0 +1,239 @@
+"""Nodes that propose grasps for whatever hand there is, and that shake what was taken; for `tasks/lift_and_shake.yaml`.
+
+All that is known of the hand are its spans: how wide, where and how deep its fingers reach around a thing. A pinch
+takes a thing between the tips, from above, the hand turned so that they close level across it. A wrap takes an upright
+thing from the side: palm to it, fingers around it; only a hand of more than two fingers does that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+import grip_bt as grip
+from grip_bt.base.arrays import Array
+from grip_bt.base.failures import NoGraspError
+from grip_bt.base.values import Grasp, JointState, Pose, Trajectory
+from grip_bt.base.values.joints import Span
+from grip_bt.nodes.objects import SEEN
+
+ROOM = 0.005
+"""Between each finger and a thing, while the hand comes [m]."""
+GAP = 0.004
+"""Of the hand above the table, and of a thing from the palm [m]."""
+HOLD = 0.006
+"""Least height of a thing that is between the tips [m]."""
+BESIDE_THUMB = 0.018
+"""How far a wrapped thing lies from the grasp frame, along the fingers: the thumb's root rises above the palm [m]."""
+HIGHEST = 0.65
+"""Round tips meet a thing below this part of its height: what is round would be pressed down and away."""
+SQUEEZE = 0.04
+"""How much narrower than a thing the fingers of a hand aim to close around it [m]."""
+OWN = 1e3
+"""No limit but the hand's own [N m]."""
+FILLED = 0.7
+"""What is thinner than this part of the hollow between palm and closed fingers stands in there untouched."""
+TURNS = np.radians((0, 15, -15, 30, -30))
+"""From a face of a thing's box; what is round has no face."""
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """An upright box around something on a table.
+
+    Attributes:
+        size: edge lengths, shape (3,) [m].
+        pose: of its middle, in world.
+    """
+
+    size: Array
+    pose: Pose
+
+    @property
+    def floor(self) -> float:
+        """Height that it stands at [m]."""
+        return float(self.pose.position[2] - self.size[2] / 2)
+
+    def width(self, direction: Array) -> float:
+        """Return its extent along a horizontal unit vector [m]."""
+        return float(np.abs(self.pose.rotation().T @ direction) @ (self.size * [1, 1, 0]))
+
+
+@grip.leaf("hands/propose", outputs={"grasps": list[Grasp]}, codes=("no_grasp",))
+def propose(
+    context: grip.Context, *, hand: str = "", approach: float = 0.12, lift: float = 0.2, torque_limit: float = 0.0
+) -> list[Grasp]:
+    """Propose grasps of everything that the scene has as seen, the best first; no torque limit is the hand's own."""
+    scene, asked = context.scene(), context.hand(hand)
+    things = [Thing(*scene.box(name)) for name in scene.names() if name.startswith(SEEN)]
+    spans, limits = asked.spans(), {"approach": approach, "lift": lift, "torque_limit": torque_limit}
+    found = [grasp for thing in things for grasp in proposals(thing, spans, len(asked.fingers()) > 2, limits)]
+    if not found:
+        sizes = "; ".join(" x ".join(f"{1000 * edge:.0f}" for edge in thing.size) for thing in things)
+        widest = 1000 * (spans[0].gap - 2 * ROOM)
+        raise NoGraspError(
+            f"the hand {asked.name!r}, which takes what is up to {widest:.0f} mm wide, fits around nothing that was "
+            f"seen: {sizes or 'there is nothing'} [mm]"
+        )
+    return sorted(found, key=lambda grasp: -grasp.quality)
+
+
+def proposals(thing: Thing, spans: Sequence[Span], wraps: bool, limits: Mapping[str, float]) -> list[Grasp]:
+    """Return the grasps of one thing.
+
+    Args:
+        spans: from `open` to `closed`.
+        wraps: whether the hand may close around it.
+        limits: `approach`, `lift` [m] and `torque_limit` [N m], as the leaf has them.
+    """
+    meeting = next((k for k, span in enumerate(spans) if span.gap < 1e-3), len(spans))
+    ways = list(_pinches(thing, spans[:meeting], wraps))
+    if wraps:
+        ways += _wraps(thing, spans[:meeting])
+    return [
+        Grasp(
+            pose,
+            pose.moved(-limits["approach"] * direction),
+            pose.moved(limits["lift"] * UP),
+            pre_posture=span.posture,
+            posture=closed,
+            torque_limit=limits["torque_limit"] or OWN,
+            width=width,
+            quality=quality - 0.6 * float(np.linalg.norm(pose.position[:2])),
+            provenance="hands/propose",
+        )
+        for pose, direction, span, closed, width, quality in ways
+    ]
+
+
+Way = tuple[Pose, Array, Span, JointState | None, float, float]
+"""Pose, direction of the approach, fingers during it, and closed, width, quality."""
+
+
+def _pinches(thing: Thing, spans: Sequence[Span], thumb: bool) -> Iterator[Way]:
+    highest, top = HIGHEST if thumb else 1.0, float(thing.size[2])
+    for quarter in range(4):
+        for turn in TURNS:
+            across = thing.pose.rotation() @ [np.cos(quarter * np.pi / 2 + turn), np.sin(quarter * np.pi / 2 + turn), 0]
+            width = thing.width(across)
+            opened = [span for span in spans if span.gap >= width + 2 * ROOM]
+            if not opened:
+                continue
+            opened, held, squeezed = opened[-1], *(_near(spans, gap) for gap in (width, width - SQUEEZE))
+            closed = squeezed.posture if thumb else None  # closed all the way, three fingers push a thumb aside
+            rotation = _turned(held, across)
+            lowest = max(_below(span, held) for span in (opened, held))
+            height = max(top / 2, lowest + GAP, top - held.depth + GAP)
+            if height - lowest > top - HOLD or height > highest * top:
+                continue
+            foot = np.array([*thing.pose.position[:2], thing.floor + height])
+            length = thing.width(np.cross(UP, across))
+            for along in (0.0,) if length < 0.08 else (0.0, 0.025, -0.025):
+                spot = foot + along * np.cross(UP, across)
+                pose = _pose(rotation, spot - rotation @ held.middle)
+                deep = (top - height) / top
+                yield pose, -UP, opened, closed, width, 1.0 + deep - 10 * abs(along) - 4 * width - 0.3 * abs(turn)
+
+
+def _near(spans: Sequence[Span], gap: float) -> Span:
+    return min(spans, key=lambda span: abs(span.gap - gap))
+
+
+def _below(span: Span, held: Span) -> float:
+    """Return how far a hand reaches below the middle of `held`, when it is turned as that is [m]."""
+    return float(((span.corners - held.middle) @ held.inward).max())
+
+
+def _turned(span: Span, across: Array) -> Array:
+    """Return the hand's rotation with which it looks down and the tips close along a horizontal unit vector."""
+    own = np.stack([span.axis, np.cross(span.inward, span.axis), span.inward], axis=1)
+    world = np.stack([across, np.cross(-UP, across), -UP], axis=1)
+    return np.asarray(world @ own.T)
+
+
+def _pose(rotation: Array, position: Array) -> Pose:
+    return Pose.from_matrix(np.block([[rotation, position[:, None]], [np.zeros(3), 1.0]]))
+
+
+def _wraps(thing: Thing, spans: Sequence[Span]) -> Iterator[Way]:
+    opened, top, centre = spans[0], float(thing.size[2]), thing.pose.position
+    hollow = spans[-1].middle[2]
+    outward = centre[:2] / np.linalg.norm(centre[:2])
+    for quarter in range(4):
+        for turn in TURNS:
+            z = thing.pose.rotation() @ [np.cos(quarter * np.pi / 2 + turn), np.sin(quarter * np.pi / 2 + turn), 0]
+            width, deep = thing.width(np.cross(UP, z)), thing.width(z)
+            if width > opened.gap - ROOM or thing.size[:2].min() < FILLED * hollow:
+                continue
+            thumb = _near(spans, width).middle[1]
+            for flip in (1.0, -1.0):
+                y = flip * UP
+                rotation = np.stack([np.cross(y, z), y, z], axis=1)
+                height = max(top / 2 - flip * thumb, GAP - float((flip * opened.corners[:, 1]).min()))
+                off = abs(height + flip * thumb - top / 2)
+                if off > 0.3 * top:  # there the thumb and the fingers against it would close beyond the thing's top
+                    continue
+                palm = np.array([*centre[:2], thing.floor + height]) - (deep / 2 + GAP) * z
+                pose = _pose(rotation, palm - BESIDE_THUMB * rotation[:, 0])
+                yield pose, z, opened, None, width, 1.0 + float(z[:2] @ outward) - 10 * off - 2 * abs(turn)
+
+
+SAMPLES = 100
+"""Points of a shake per second."""
+DEGREE = 4
+"""Of the polynomials that stand for the joints along some centimetres."""
+
+
+@grip.leaf(
+    "hands/shake",
+    codes=("no_ik", "no_plan", "path_invalid", "out_of_limits", "start_in_collision", "goal_in_collision", "aborted"),
+)
+async def shake(
+    context: grip.Context,
+    *,
+    arm: str = "",
+    amplitude: float = 0.025,
+    frequency: float = 1.5,
+    seconds: float = 1.0,
+    slow_down: bool = False,
+) -> None:
+    """Shake the hand along x, y and z of the world, one after the other, to each side [m], so often [1/s], so long [s].
+
+    A period more at each end lets it grow and sink. An arm that isn't quick enough fails with `out_of_limits`, or
+    shakes as quickly as it can where it may `slow_down`.
+    """
+    mover = context.arm(arm)
+    for offset in amplitude * np.eye(3):
+        there = mover.grasp_pose()
+        forth = await mover.plan_straight([there.moved(offset)])
+        back = await mover.plan_straight([there.moved(-offset)])
+        way = swing(back.trajectory, forth.trajectory, 1 / frequency, seconds)
+        await mover.execute(await mover.plan_from_trajectory(way, slow_down=slow_down))
+
+
+def swing(back: Trajectory, forth: Trajectory, period: float, seconds: float) -> Trajectory:
+    """Return the motion to and fro over two straight lines that begin at its middle."""
+    sides = (-_shares(back.positions)[:0:-1], _shares(forth.positions))
+    way = np.concatenate([back.positions[:0:-1], forth.positions])
+    degree = min(DEGREE, len(way) - 1)
+    joints = np.polynomial.polynomial.polyfit(np.concatenate(sides), way - forth.positions[0], degree)
+    joints[0] = 0.0  # where the lines meet
+    times = np.arange(round((seconds + 2 * period) * SAMPLES) + 1) / SAMPLES
+    end = np.minimum(times, times[-1] - times) / period
+    grown = np.where(end < 1, (3 - 2 * end) * end**2, 1.0)
+    growth = np.where(end < 1, 6 * end * (1 - end), 0.0) / period * np.where(times < times[-1] / 2, 1.0, -1.0)
+    angle = 2 * np.pi * times / period
+    place = grown * np.sin(angle)
+    speed = growth * np.sin(angle) + grown * 2 * np.pi / period * np.cos(angle)
+    powers = place[:, None] ** np.arange(degree + 1)
+    slopes = np.arange(1, degree + 1) * powers[:, :-1] * speed[:, None]
+    return Trajectory(forth.names, times, forth.positions[0] + powers @ joints, slopes @ joints[1:])
+
+
+def _shares(way: Array) -> Array:
+    """Return how far along a path of joints each of its points lies, from 0 to 1."""
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    return np.asarray(lengths / lengths[-1])

@@ -1,0 +1,133 @@
+"""The nodes for any hand: grasps proposed by what a hand says of itself, and a shake.
+
+Grasps are wide enough, off the table, and close where the thing is.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from grip_bt.base.values import JointState, Pose, Trajectory
+from grip_bt.commanders.description.load import load_robot
+from grip_bt.commanders.hand import HandCommander
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.kinematics.spans import spans_of
+from grip_bt.nodes.objects import turned
+
+FILE = Path(__file__).parents[2] / "examples" / "nodes" / "hands.py"
+spec = importlib.util.spec_from_file_location("hands_under_test", FILE)
+nodes = importlib.util.module_from_spec(spec)
+sys.modules[spec.name] = nodes
+spec.loader.exec_module(nodes)
+HANDS = ("panda", "ur5_robotiq", "xarm7_gripper", "panda_allegro", "panda_allegro_left", "ur10_shadow")
+LIMITS = {"approach": 0.12, "lift": 0.2, "torque_limit": 0.0}
+
+
+class Fingers:
+    """A port that only knows its joints."""
+
+    def __init__(self, joints):
+        self.joint_names = joints
+
+    def state(self):
+        return JointState(self.joint_names, np.zeros(len(self.joint_names)))
+
+
+@cache
+def hand_of(robot):
+    description = load_robot(robot)
+    model, states = RobotModel(description), description.named_states["hand"]
+    return HandCommander(
+        "hand",
+        Fingers(description.group("hand")),
+        states,
+        spans=lambda postures: spans_of(model, "hand", model.grasp_frame_of("arm"), postures),
+    )
+
+
+def thing(width, depth, height, yaw=0.0):
+    return nodes.Thing(np.array([width, depth, height]), Pose([0.5, 0.1, height / 2], turned(yaw)))
+
+
+def proposed(robot, what):
+    return nodes.proposals(what, hand_of(robot).spans(), "allegro" in robot or "shadow" in robot, LIMITS)
+
+
+def lowest(span, pose):
+    return float(pose.apply(span.corners)[:, 2].min())
+
+
+@pytest.mark.parametrize("robot", HANDS)
+@given(
+    edges=st.tuples(*[st.floats(0.02, 0.09)] * 2), height=st.floats(0.03, 0.2), yaw=st.floats(-3, 3, allow_nan=False)
+)
+@settings(max_examples=15, deadline=None)
+def test_every_hand_comes_open_wide_enough_and_above_the_table(robot, edges, height, yaw):
+    spans = {span.posture.position.tobytes(): span for span in hand_of(robot).spans()}
+    for grasp in proposed(robot, thing(*edges, height, yaw)):
+        opened = spans[grasp.pre_posture.position.tobytes()]
+        assert opened.gap >= grasp.width
+        assert lowest(opened, grasp.pose) > 0
+        assert np.linalg.norm(grasp.pre_grasp.position - grasp.pose.position) == pytest.approx(0.12)
+        assert lowest(opened, grasp.post_grasp) == pytest.approx(lowest(opened, grasp.pose) + 0.2)
+
+
+@pytest.mark.parametrize("robot", HANDS)
+def test_the_tips_close_on_a_things_middle(robot):
+    what = thing(0.04, 0.04, 0.08)
+    down = [grasp for grasp in proposed(robot, what) if grasp.pre_grasp.position[2] > grasp.pose.position[2] + 0.1]
+    found = max(down, key=lambda grasp: grasp.quality)
+    held = min(hand_of(robot).spans(), key=lambda span: abs(span.gap - 0.04))
+    met = found.pose.apply([held.middle])[0]
+    assert met[:2] == pytest.approx([0.5, 0.1], abs=1e-6)
+    assert 0.02 < met[2] < 0.08
+
+
+@pytest.mark.parametrize("robot", HANDS)
+def test_what_is_too_wide_for_a_hand_gets_no_grasp(robot):
+    assert not proposed(robot, thing(0.2, 0.2, 0.1))
+
+
+def test_only_a_hand_with_a_thumb_wraps_and_only_what_fills_it():
+    def sideways(robot, what):
+        return [g for g in proposed(robot, what) if abs(g.pose.rotation()[2, 2]) < 0.1]
+
+    bottle, pen = thing(0.065, 0.065, 0.18), thing(0.02, 0.02, 0.18)
+    assert sideways("panda_allegro", bottle)
+    assert not sideways("panda_allegro", pen)
+    assert not sideways("panda", bottle)
+
+
+def test_a_hand_whose_geometry_nobody_knows_says_so():
+    description = load_robot("panda")
+    hand = HandCommander("left_hand", Fingers(description.group("hand")), description.named_states["hand"])
+    with pytest.raises(ValueError, match="left_hand.*geometry isn't known"):
+        hand.spans()
+
+
+def test_a_shake_goes_to_both_sides_smoothly_and_comes_back():
+    names, here = ("a", "b"), np.array([0.3, -0.2])
+    steps = np.linspace(0, 1, 30)[:, None]
+    bent = np.column_stack([steps[:, 0] + 0.1 * steps[:, 0] ** 2, -0.5 * steps[:, 0]]) * 0.05
+    forth, back = (Trajectory(names, steps[:, 0], here + sign * way) for sign, way in ((1, bent), (-1, bent)))
+    way = nodes.swing(back, forth, period=0.5, seconds=1.0)
+    away = way.positions - here
+    assert way.duration == pytest.approx(2.0)
+    assert (away[:, 1].min(), away[:, 1].max()) == pytest.approx((-0.025, 0.025), rel=0.03)
+    assert np.abs(away[[0, -1]]).max() < 1e-9
+    assert np.abs(way.velocities[[0, -1]]).max() < 1e-9
+    slopes = np.gradient(way.positions, way.times, axis=0)
+    assert slopes[1:-1] == pytest.approx(way.velocities[1:-1], abs=0.01)
+
+
+def test_two_points_make_a_shake_too():
+    forth, back = (Trajectory(("a",), [0.0, 1.0], [[0.0], [sign * 0.1]]) for sign in (1, -1))
+    assert np.abs(nodes.swing(back, forth, 0.5, 1.0).positions).max() == pytest.approx(0.1, rel=0.03)
