@@ -169,8 +169,8 @@ def _project(source: str | Path, stack: ExitStack) -> Project:
         return find_project(source)
     folder = _temporary(stack)
     made = new_robot(str(source), folder, lambda question, names: names[0])
-    (folder / FILE_NAME).write_text(made.grip, encoding="utf-8")
-    return find_project(folder)
+    (folder / FILE_NAME).write_text(made.files[FILE_NAME], encoding="utf-8")
+    return in_world(find_project(folder), "table")
 
 
 def _temporary(stack: ExitStack) -> Path:

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
-import os
-import shutil
 import signal
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -19,10 +15,9 @@ from typing import Any
 
 import numpy as np
 
-import grip_bt
+from grip_bt.app.project.examples import examples_folder
 from grip_bt.app.runs.execute import open_session
 from grip_bt.app.runs.verdict import Verdict, words
-from grip_bt.base.errors import MissingPartError, NotWritableError
 from grip_bt.base.values import Failure, Grasp
 from grip_bt.cli.run import add_run_options, exit_status, options_of, sentence
 from grip_bt.cli.terminal import on_hang_up, on_stop
@@ -33,7 +28,6 @@ from grip_bt.runtime.control import RunEnd, result_facts
 from grip_bt.task import walk
 from grip_sim.referee import ObjectTruth
 
-_UNWANTED = frozenset({".grip", "__pycache__"})
 ATTEMPT = "next_object/attempt"
 """Path of the node that is one attempt, in every demonstration."""
 
@@ -143,37 +137,6 @@ def _show(task: Path, args: argparse.Namespace) -> int:
 def demo_task(name: str = "clear_table") -> Path:
     """Return a demonstration's task file."""
     return examples_folder() / "tasks" / f"{DEMOS[name].task}.yaml"
-
-
-def examples_folder() -> Path:
-    """Return the folder of the example project, writable: the clone's own, or a copy of what is installed."""
-    package = Path(grip_bt.__file__).resolve().parent
-    own = package.parent / "examples"
-    for folder in (own, package / "_examples"):
-        if (folder / "grip.yaml").is_file():
-            return own if folder == own and os.access(own, os.W_OK) else _copied(folder)
-    raise MissingPartError("the example project", "clone the repository, or reinstall the wheel")
-
-
-def _copied(folder: Path) -> Path:
-    """Return a copy in the user's data directory, made once for what is there now: what was changed in it stays."""
-    files = [file for file in sorted(folder.rglob("*")) if file.is_file() and _UNWANTED.isdisjoint(file.parts)]
-    digest = hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:8]
-    base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "grip"
-    copy = base / f"examples-{grip_bt.__version__}-{digest}"
-    if copy.is_dir():
-        return copy
-    try:
-        base.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=base) as half:
-            shutil.copytree(folder, Path(half) / "examples", ignore=shutil.ignore_patterns(*_UNWANTED))
-            (Path(half) / "examples").rename(copy)
-    except OSError as error:
-        if copy.is_dir():  # another process was quicker
-            return copy
-        advice = "the example project is copied there; set XDG_DATA_HOME to a folder of yours"
-        raise NotWritableError(copy, error, advice) from error
-    return copy
 
 
 _Truth = Callable[[], Mapping[str, ObjectTruth]]

@@ -18,7 +18,7 @@ from grip_bt.cli.parser import add_no_code
 from grip_bt.cli.terminal import on_hang_up
 from grip_bt.formats.pytrees import import_from_code
 from grip_bt.nodes.tree_code import is_tree_code, place_of
-from grip_bt.task import dumps, fmt
+from grip_bt.task import dumps
 from grip_bt.task.validation.parts import DRAWN
 
 
@@ -49,7 +49,7 @@ def _files_of_robot(args: argparse.Namespace) -> dict[str, str]:
     for finding in told.values():
         count = sum(other.code == finding.code for other in made.findings)
         print(f"{finding}{f' (and {count - 1} more like it)' if count > 1 else ''}")
-    return {"grip.yaml": made.grip, "tasks/first.yaml": fmt(made.task, "first.yaml")}
+    return dict(made.files)
 
 
 def _chosen(given: list[str], question: str, names: Sequence[str]) -> str:

@@ -80,13 +80,13 @@ def _tried(args: argparse.Namespace) -> list[dict[str, Any]]:
     from grip_bt.app.project.folder import make_project
     from grip_bt.app.project.new_robot import new_robot
     from grip_bt.app.runs.execute import run
-    from grip_bt.task import fmt, load
+    from grip_bt.task import load
     from grip_bt.task.model import children_of
 
     with TemporaryDirectory(prefix="grip_robot_") as own:
         folder = args.keep or Path(own) / "project"
         made = new_robot(args.robot, folder, lambda question, names: names[0])
-        make_project(folder, {"grip.yaml": made.grip, "tasks/first.yaml": fmt(made.task, "first.yaml")})
+        make_project(folder, made.files)
         task = folder / "tasks" / "first.yaml"
         nodes = list(children_of(load(task).root))
         runs = []

@@ -68,6 +68,21 @@ class Count(Leaf):
         return self.end(value=self.read("value") + 1)
 """
 
+ARM = """\
+<robot name="small">
+  <link name="base"/>
+  <link name="one"><visual><geometry><box size="0.05 0.05 0.3"/></geometry></visual></link>
+  <link name="two"><visual><geometry><box size="0.05 0.05 0.3"/></geometry></visual></link>
+  <joint name="a" type="revolute">
+    <parent link="base"/><child link="one"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" velocity="1" effort="1"/>
+  </joint>
+  <joint name="b" type="revolute">
+    <parent link="one"/><child link="two"/><origin xyz="0 0 0.3"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/>
+  </joint>
+</robot>
+"""
+
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
@@ -184,6 +199,20 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
 def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:
     with editing(folder) as (_, url):
         done = subprocess.run(browser(script, url, str(folder)), capture_output=True, text=True, timeout=SCENARIO)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
+@pytest.mark.sim
+def test_a_newcomer_comes_from_an_empty_folder_to_a_hand_that_holds_something(tmp_path: Path) -> None:
+    folder, robots = tmp_path / "empty", tmp_path / "robots"
+    folder.mkdir()
+    robots.mkdir()
+    (robots / "arm.urdf").write_text(ARM)
+    with editing(folder) as (_, url):
+        command = browser("first_run.mjs", url, str(folder), str(robots))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
 
 

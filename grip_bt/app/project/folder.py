@@ -168,11 +168,12 @@ _TEMPLATE = Path(__file__).with_name("template")
 _FOLDERS = ("tasks", "components", "nodes", "messages")
 
 
-def make_project(folder: str | Path, files: Mapping[str, str] | None = None) -> list[Path]:
+def make_project(folder: str | Path, files: Mapping[str, str] | None = None, *, beside: bool = False) -> list[Path]:
     """Make a project in a folder that isn't there yet or is empty (a `.git` in it is no harm).
 
     Args:
         files: path in it -> text, beside the usual ones or in place of them.
+        beside: whether the folder may hold other things, which stay as they are.
 
     Returns:
         The files written, relative to the folder.
@@ -181,13 +182,18 @@ def make_project(folder: str | Path, files: Mapping[str, str] | None = None) -> 
         ProjectExistsError: The folder holds something, or is a file; nothing was written.
     """
     folder = Path(folder)
-    if folder.exists() and (not folder.is_dir() or any(entry.name != ".git" for entry in folder.iterdir())):
+    if (
+        not beside
+        and folder.exists()
+        and (not folder.is_dir() or any(entry.name != ".git" for entry in folder.iterdir()))
+    ):
         raise ProjectExistsError(folder)
     sources = {file.relative_to(_TEMPLATE): file for file in sorted(_TEMPLATE.rglob("*")) if file.is_file()}
     # A file of this name in the package's own folder would hide files from git and from the package's build.
     named = {path.with_name(".gitignore") if path.name == "gitignore" else path: f for path, f in sources.items()}
     texts = {path: source.read_text("utf-8") for path, source in named.items()}
     texts |= {Path(path): text for path, text in (files or {}).items()}
+    texts = {path: text for path, text in texts.items() if not (folder / path).exists()}
     for path, text in texts.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text, encoding="utf-8")

@@ -7,14 +7,16 @@ import math
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from grip_bt.app.project.first_grasp import first_grasp
 from grip_bt.app.project.first_motions import FirstMotions, MotionFinder
 from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
+from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.configurations import Configurations, configured_packages, is_configured
 from grip_bt.commanders.description.files import Finding, errors
@@ -23,6 +25,7 @@ from grip_bt.commanders.description.load import PROJECT, config_of, inspect_robo
 from grip_bt.commanders.description.packages import MANIFEST, ROBOTS, Packages, name_of_package, package_around
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.roles import arms_of
+from grip_bt.task import fmt
 
 FILES = ("urdf", "xacro", "mjcf", "srdf", "moveit")
 """Keys of `robot:` that name a file or a folder."""
@@ -35,13 +38,11 @@ class NewRobot:
     """What a new project for a robot holds.
 
     Attributes:
-        grip: text of `grip.yaml`.
-        task: text of its first task.
+        files: path -> text: `grip.yaml`, its first tasks, and the world of one of them.
         findings: what was found about the robot's files.
     """
 
-    grip: str
-    task: str
+    files: Mapping[str, str]
     findings: tuple[Finding, ...]
 
 
@@ -68,9 +69,15 @@ def new_robot(source: str, folder: Path, choose: Choose, *, by_package: bool = F
     finder = MotionFinder(robot) if arms else None
     motions = {group: finder.of(group) for group in arms} if finder is not None else {}
     parts = _parts(robot, arms)
+    states: dict[str, Mapping[str, JointState]] = {group: {} for group in arms} | dict(robot.named_states)
     lines = _robot_lines(_with_files(said, inspected), folder.resolve(), motions, by_package)
-    grip = _grip_text(robot, lines, parts, inspected, "table" if source in ROBOTS else "empty")
-    return NewRobot(grip, _task_text(robot, parts, motions), inspected.findings)
+    homes = {group: JointState.from_mapping(each.home) for group, each in motions.items() if each.home}
+    known = {group: {**named, **({"home": homes[group]} if group in homes else {})} for group, named in states.items()}
+    taking = first_grasp(replace(robot, named_states=known), _key) if arms else {}
+    world = "bench" if taking else "table" if source in ROBOTS else "empty"
+    grip = _grip_text(robot, lines, parts, inspected, world)
+    files = {"grip.yaml": grip, "tasks/first.yaml": fmt(_task_text(robot, parts, motions), "first.yaml"), **taking}
+    return NewRobot(files, inspected.findings)
 
 
 def _chosen(source: str, choose: Choose) -> dict[str, Any]:
@@ -181,8 +188,10 @@ def _grip_text(robot: RobotDescription, lines: list[str], parts: _Parts, inspect
         text += ["hands:", *(f"  {name}: {_flow({'group': group})}" for name, group in parts.hands.items())]
     sensors = [sensor for package in inspected.packages for sensor in package.sensors if sensor.topic]
     named = {_key(sensor.name.split("/")[-1]): sensor for sensor in sensors}
+    camera = "front" if world == "empty" else "overhead"
+    text += ["sensors:", f"  {camera}: {{camera: {camera}}}"]
     if named:
-        text.append("sensors:  # of sensors_3d.yaml; a task gives what they see to scene/add_cloud")
+        text.append("  # of sensors_3d.yaml; a task gives what they see to scene/add_cloud")
         for name, sensor in named.items():
             topics = {"seen": {"topic": sensor.topic, "type": sensor.message}}
             text.append(f"  {name}: {_flow({'topics': topics, 'given_in': 'world'})}")

@@ -20,6 +20,7 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.motion_record import motion_file
 from grip_bt.base.errors import GripError
 from grip_bt.base.message_store import STANDARD, MessageLibrary
+from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.runtime import JournalReader
 from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.processes import CommandRunner
@@ -95,14 +96,16 @@ def _add_project(api: APIRouter, folder: ProjectFolder, run: Callable[[], str]) 
         return wire.RobotParts(arms=list(file.arms), hands=list(file.hands), run=run())
 
     @api.get("/geometry")
-    def looks() -> wire.GeometryView:
+    def looks(robot: Annotated[str, Query(max_length=1024)] = "") -> wire.GeometryView:
+        if robot in ROBOTS or Path(robot).is_absolute() and "\0" not in robot:
+            return wire.GeometryView.model_validate(geometry(robot, {}, folder.folder))
         try:
             file = find_project(folder.folder).file
         except GripError as error:
             return wire.GeometryView(error=str(error))
-        robot = file.robot if file.robot is None or isinstance(file.robot, str) else file.robot.model_dump(mode="json")
+        own = file.robot if file.robot is None or isinstance(file.robot, str) else file.robot.model_dump(mode="json")
         hands = {arm.hand: arm.group for arm in file.arms.values() if arm.hand is not None}
-        return wire.GeometryView.model_validate(geometry(robot, hands, folder.folder))
+        return wire.GeometryView.model_validate(geometry(own, hands, folder.folder))
 
     @api.get("/motion")
     def motion(run: RunId, after: Annotated[int, Query(ge=0, le=2**40)] = 0) -> wire.MotionView:

@@ -23,9 +23,10 @@ from grip_bt.app.runs.motion_record import coarse
 from grip_bt.base.errors import GripError, InvalidRobotError
 from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.commanders.description.files import FileCache
-from grip_bt.commanders.description.load import load_robot
+from grip_bt.commanders.description.files import FileCache, errors
+from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.packages import ROBOTS
+from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import Joint, Tree
 from grip_bt.commanders.description.xml import origin_of
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
@@ -94,12 +95,16 @@ def _read(robot: object, folder: Path) -> dict[str, Any]:
     except (GripError, ValidationError):  # said of the text already
         return found
     found["groups"] = {group: list(joints) for group, joints in description.groups.items()}
-    found["states"] = {
-        group: {name: dict(zip(state.names, map(float, state.position), strict=True)) for name, state in states.items()}
-        for group, states in description.named_states.items()
-    }
+    found["states"] = _states(description)
     links = sorted({link.attrib["name"] for link in fromstring(description.urdf).iter("link") if "name" in link.attrib})
     return found | {"links": links, "frames": ["world", *links]}
+
+
+def _states(description: RobotDescription) -> dict[str, dict[str, dict[str, float]]]:
+    return {
+        group: {name: dict(state.as_mapping()) for name, state in states.items()}
+        for group, states in description.named_states.items()
+    }
 
 
 def geometry(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str, Any]:
@@ -123,7 +128,9 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
     from grip_bt.commanders.kinematics.shapes import load_mesh  # of the extra `motion`, which the page does without
 
     source = RobotConfig.model_validate(robot) if isinstance(robot, Mapping) else str(robot)
-    description = load_robot(source, folder)
+    inspected = inspect_robot(source, folder)
+    if (description := inspected.description) is None:
+        raise InvalidRobotError("robot", errors(inspected.findings))
     urdf = fromstring(description.urdf)
     tree = Tree(urdf)
     colors = {m.get("name"): c.get("rgba") for m in urdf.findall("material") if (c := m.find("color")) is not None}
@@ -150,6 +157,9 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
         "joints": [_drawn_joint(joint, tree.joints[joint.get("name", "")]) for joint in urdf.findall("joint")],
         "meshes": meshes,
         "rest": description.at_rest,
+        "groups": {group: list(joints) for group, joints in description.groups.items()},
+        "states": _states(description),
+        "findings": list(dict.fromkeys(map(str, inspected.findings))),
         "grasp": grasp,
     }
 
@@ -192,6 +202,7 @@ def _drawn_joint(element: Element, joint: Joint) -> dict[str, Any]:
         "at": _origin(element),
         "axis": _floats(None if axis is None else axis.get("xyz"), (1.0, 0.0, 0.0)),
         "mimic": None if joint.mimic is None else asdict(joint.mimic),
+        "limits": [joint.lower, joint.upper] if joint.type in ("revolute", "prismatic") else [],
     }
 
 

@@ -12,11 +12,14 @@ from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
+from typing import Annotated
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
+from fastapi.responses import FileResponse
 from pydantic import ValidationError
 
 from grip_bt.app.project.components import Wish, components_folder, from_file, make_component
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import ContractError, DocumentError, GripError
 from grip_bt.base.yaml.models import check_model, diagnostic_of
 from grip_bt.base.yaml.tree import YamlMapping, parse
@@ -29,6 +32,7 @@ from grip_gui.editing.files import TextFile
 from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
 from grip_gui.runs.journal import JournalRuns
+from grip_gui.setup import beginning
 from grip_gui.setup.kinds import kind_of
 from grip_gui.setup.options import names_of
 from grip_gui.setup.settings_store import SettingsStore, keep_value
@@ -85,13 +89,23 @@ def make_setup_router(
 
     @api.post("/import")
     async def bring(request: wire.ImportRequest) -> wire.ImportView:
-        words = _kept_words(folder, request)
+        words = _words_of(folder, request)
         before = _stamps(folder)
         view = await runner.run(words)
         changed()
         return wire.ImportView(
             probe=view, tasks=sorted(path for path, at in _stamps(folder).items() if at != before.get(path))
         )
+
+    _add_beginning(api, folder, runner, changed)
+
+    @api.get("/picture")
+    async def picture(world: Annotated[str, Query(pattern=r"^[A-Za-z0-9_]+$")], camera: str = "") -> FileResponse:
+        file = find_project(folder.folder).state_folder / f"{world}.png"
+        said = await runner.run(("world", "show", world, "--picture", str(file), f"--camera={camera}"))
+        if not said.ok:
+            raise GripError(said.output.strip())
+        return FileResponse(file, headers={"cache-control": "no-store"})
 
     @api.post("/record")
     async def keep(request: wire.RecordRequest) -> wire.SetupView:
@@ -101,8 +115,42 @@ def make_setup_router(
     return api
 
 
+def _add_beginning(api: APIRouter, folder: ProjectFolder, runner: CommandRunner, changed: Callable[[], None]) -> None:
+    api.get("/robots")(beginning.robots)
+    api.get("/examples")(beginning.examples)
+
+    @api.get("/browse")
+    def browse(at: str = "") -> wire.FolderView:
+        return beginning.browse(at, folder.folder)
+
+    @api.post("/begin")
+    async def begin(request: wire.BeginRequest) -> wire.BeginView:
+        beginning.check_request(request, folder.folder)
+        asked = {"folder": str(folder.folder), **request.model_dump()}
+        found = await runner.answer("grip_gui.setup.beginning", **asked)
+        if "error" in found:
+            raise GripError(found["error"])
+        changed()
+        return wire.BeginView(**found)
+
+
+def _words_of(folder: ProjectFolder, request: wire.ImportRequest) -> tuple[str, ...]:
+    """Return the words of an import, whose file is kept where it was sent."""
+    more = ("--execute",) if request.execute else ()
+    if not request.path:
+        return (*_kept_words(folder, request), *more)
+    given = Path(request.path)
+    if "\0" in request.path or not given.is_absolute() or not given.exists():
+        raise DocumentError("isn't there", request.path)
+    several = request.source == "smach" or given.is_dir()
+    out = "." if request.source == "grip" else "tasks" if several else f"tasks/{given.stem}.yaml"
+    return ("import", request.path, "--from", request.source, "-o", out, *more)
+
+
 def _kept_words(folder: ProjectFolder, request: wire.ImportRequest) -> tuple[str, ...]:
-    """Keep a file that is imported, which is read and never executed; return the words of the import."""
+    """Keep a file that is imported; return the words of the import."""
+    if request.source not in _SUFFIXES:
+        raise GripError("a task of the first GRIP is several files: choose its folder")
     suffix, given = _SUFFIXES[request.source], PurePosixPath(request.name)
     if given.suffix != suffix or given.name != request.name:
         raise GripError(

@@ -209,6 +209,7 @@ class JointView(Wire):
     child: str
     at: Place  # in the parent link
     axis: list[float]
+    limits: list[float] = []  # lower, upper [rad or m]; empty without them
     mimic: MimicView | None = None
 
 
@@ -235,6 +236,9 @@ class GeometryView(Wire):
     meshes: list[MeshView] = []
     rest: dict[str, float] = {}  # joint -> where it is unless told otherwise [rad or m]
     grasp: dict[str, FrameView] = {}  # hand -> the frame in which it holds things
+    groups: dict[str, list[str]] = {}  # of joints
+    states: dict[str, dict[str, dict[str, float]]] = {}  # group -> name -> joint -> position [rad or m]
+    findings: list[str] = []  # what its files say that had to be mended or left out
     error: str = ""
 
 

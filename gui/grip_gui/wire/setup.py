@@ -128,12 +128,43 @@ class RecordRequest(Wire):
     name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$", max_length=200)]
 
 
-class ImportRequest(Wire):
-    """Import a task; the file is read, not executed."""
+EntryKind = Literal["moveit", "package", "folder", "file"]
 
-    source: Literal["smach", "btcpp", "pytrees"]
-    name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*\.[a-z]+$", max_length=200)]
-    text: SetupTextField
+
+class FolderView(Wire):
+    """A folder of the machine that the server runs on."""
+
+    at: str
+    above: str  # empty at the top
+    kind: EntryKind
+    entries: dict[str, EntryKind]  # name -> what it is, or holds
+
+
+class BeginRequest(Wire):
+    """Begin a project with a robot, or complete one."""
+
+    robot: Annotated[str, Field(max_length=1024)] = ""  # ready-made, or an absolute path; empty for the project's own
+    example: Annotated[str, Field(pattern=r"^[a-z_]*$", max_length=100)] = ""  # a task of the example, in place of it
+    chosen: Annotated[list[Annotated[str, Field(max_length=300)]], Field(max_length=10)] = []
+
+
+class BeginView(Wire):
+    """What was written; nothing where there is something to choose first."""
+
+    files: list[str] = []
+    findings: list[str] = []  # about the robot's files
+    question: str = ""
+    choices: list[str] = []
+
+
+class ImportRequest(Wire):
+    """Import a task: a file that is sent, or what lies on the server's machine."""
+
+    source: Literal["smach", "btcpp", "pytrees", "grip"]
+    name: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_-]*\.[a-z]+)?$", max_length=200)] = ""
+    text: SetupTextField = ""
+    path: Annotated[str, Field(max_length=1024)] = ""  # absolute; in place of name and text
+    execute: bool = False  # run the code, to see what it builds; else it is only read
 
 
 class ImportView(Wire):

@@ -1,5 +1,7 @@
 /** Talks to the server: questions over HTTP, news over one WebSocket that comes back by itself. */
 import type {
+  BeginRequest,
+  BeginView,
   BreakpointsRequest,
   CatalogView,
   CloudView,
@@ -13,6 +15,7 @@ import type {
   Done,
   EditRequest,
   ExpressionRequest,
+  FolderView,
   FormsView,
   GeometryView,
   ImportView,
@@ -88,7 +91,7 @@ export class GoneError extends Error {
   }
 }
 
-async function ask<T>(path: string, body?: unknown): Promise<T> {
+async function answered(path: string, body?: unknown): Promise<Response> {
   const init: RequestInit =
     body === undefined
       ? {}
@@ -100,7 +103,21 @@ async function ask<T>(path: string, body?: unknown): Promise<T> {
     const error = (await answer.json().catch(() => null)) as ErrorBody | null;
     throw new RefusedError(error?.detail ?? `the server answered ${answer.status}`, error?.kind ?? "");
   }
-  return (await answer.json()) as T;
+  return answer;
+}
+
+async function ask<T>(path: string, body?: unknown): Promise<T> {
+  return (await (await answered(path, body)).json()) as T;
+}
+
+/** The page's own policy shows pictures of `data:`, not of `blob:`. */
+function asAddress(picture: Blob): Promise<string> {
+  return new Promise((resolve, reject) => {
+    const reader = new FileReader();
+    reader.onload = () => resolve(String(reader.result));
+    reader.onerror = () => reject(reader.error ?? new Error("the picture can't be read"));
+    reader.readAsDataURL(picture);
+  });
 }
 
 export const server = {
@@ -138,6 +155,11 @@ export const server = {
   setupProbe: (request: CommandRequest) => ask<CommandResult>("setup/probe", request),
   setupInterface: (request: InterfaceRequest) => ask<InterfaceView>("setup/interface", request),
   setupImport: (request: ImportRequest) => ask<ImportView>("setup/import", request),
+  robots: () => ask<Record<string, string>>("setup/robots"),
+  examples: () => ask<Record<string, string>>("setup/examples"),
+  browse: (at: string) => ask<FolderView>(`setup/browse?at=${encodeURIComponent(at)}`),
+  begin: (request: BeginRequest) => ask<BeginView>("setup/begin", request),
+  picture: async (world: string, camera: string) => asAddress(await (await answered(`setup/picture?world=${encodeURIComponent(world)}&camera=${encodeURIComponent(camera)}`)).blob()),
   record: (request: RecordRequest) => ask<SetupView>("setup/record", request),
   topics: () => ask<TopicsView>("live/topics"),
   receive: (request: ReceiveRequest) => ask<ReceivedView>("live/receive", request),
@@ -149,7 +171,7 @@ export const server = {
   measure: (request: MeasureRequest) => ask<Done>("live/measure", request),
   componentForm: (path: string) => ask<ComponentForm>(`live/component?path=${encodeURIComponent(path)}`),
   callComponent: (request: TryRequest) => ask<TryView>("live/component", request),
-  geometry: () => ask<GeometryView>("live/geometry"),
+  geometry: (robot = "") => ask<GeometryView>(`live/geometry?robot=${encodeURIComponent(robot)}`),
   motion: (run: string, after: number) => ask<MotionView>(`live/motion?run=${encodeURIComponent(run)}&after=${after}`),
   cloud: (run: string, seq: number) => ask<CloudView>(`runs/${encodeURIComponent(run)}/values/${seq}/cloud`),
   value: (run: string, seq: number) => ask<ValueView>(`runs/${encodeURIComponent(run)}/values/${seq}`),

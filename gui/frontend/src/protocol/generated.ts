@@ -1,5 +1,20 @@
 // Written by `python -m grip_gui.typescript` from gui/grip_gui/wire/; don't edit.
 
+/** Begin a project with a robot, or complete one. */
+export interface BeginRequest {
+  robot: string;
+  example: string;
+  chosen: string[];
+}
+
+/** What was written; nothing where there is something to choose first. */
+export interface BeginView {
+  files: string[];
+  findings: string[];
+  question: string;
+  choices: string[];
+}
+
 /** Where runs of a task are to hold. */
 export interface Breakpoint {
   node: string;
@@ -164,6 +179,14 @@ export interface FixView {
   command: Record<string, unknown>;
 }
 
+/** A folder of the machine that the server runs on. */
+export interface FolderView {
+  at: string;
+  above: string;
+  kind: "moveit" | "package" | "folder" | "file";
+  entries: Record<string, "moveit" | "package" | "folder" | "file">;
+}
+
 /** Whether a container can be edited in both forms, as a tree and as a flow chart. */
 export interface FormView {
   path: string;
@@ -193,6 +216,9 @@ export interface GeometryView {
   meshes: MeshView[];
   rest: Record<string, number>;
   grasp: Record<string, FrameView>;
+  groups: Record<string, string[]>;
+  states: Record<string, Record<string, Record<string, number>>>;
+  findings: string[];
   error: string;
 }
 
@@ -228,11 +254,13 @@ export interface HistoryView {
   can_redo: boolean;
 }
 
-/** Import a task; the file is read, not executed. */
+/** Import a task: a file that is sent, or what lies on the server's machine. */
 export interface ImportRequest {
-  source: "smach" | "btcpp" | "pytrees";
+  source: "smach" | "btcpp" | "pytrees" | "grip";
   name: string;
   text: string;
+  path: string;
+  execute: boolean;
 }
 
 /** What became of it. */
@@ -277,6 +305,7 @@ export interface JointView {
   child: string;
   at: number[];
   axis: number[];
+  limits: number[];
   mimic: MimicView | null;
 }
 

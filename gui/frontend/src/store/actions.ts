@@ -11,7 +11,7 @@ import { connectOutcome, enterSelected, leaveContainer, toggleInPlace } from "./
 import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, rename, shift, unwrap, wrap } from "./gestures";
 import { goToPanel, usePage, type ViewName } from "./page";
 import { type Pane, resetPanes, usePanes, widen } from "./panes";
-import { LONGEST_NAME } from "./presence";
+import { LONGEST_NAME } from "./others";
 import { useRun } from "./run";
 import { useRunning } from "./runDesk";
 import { pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";

@@ -4,9 +4,8 @@ import { server, Socket } from "../protocol/client";
 import type { RunRecord, ServerFrame } from "../protocol/generated";
 import { useDocument } from "./document";
 import { heardOfRevisions, serverIsBack, take } from "./editing";
-import { ownSelection, tellSelection, useOthers } from "./others";
+import { givenName, keepName, lookedAt, ownSelection, tellSelection, useOthers } from "./others";
 import { type Above, usePage } from "./page";
-import { givenName, keepName, lookedAt } from "./presence";
 import { isKept, useRun } from "./run";
 import { useRunning } from "./runDesk";
 

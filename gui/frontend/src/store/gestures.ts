@@ -1,9 +1,11 @@
 /** What a person does to the selected nodes; each gesture is one edit, or one question and then one edit. */
 import { addNew, childNames, type Command, connectingFree, freshName, group, join, moving, nameOf, parentOf, pasting, removal, type Spot, spotFor, takesChildren, topmost, wrapping } from "../model/commands";
 import { edgedKind, hasEdges, kindOf, kinds, kindTitle, settingsFor } from "../model/kinds";
+import { NEW_COMPONENT, toBeMade } from "../model/parts";
 import { server } from "../protocol/client";
 import type { KindView, NodeFace, NodeView, Part, PortFace } from "../protocol/generated";
 import { askChoice, askText, type Option } from "./ask";
+import { provided } from "./begin";
 import { useDocument } from "./document";
 import { edit } from "./editing";
 import { goToTree, usePage } from "./page";
@@ -26,6 +28,7 @@ export function paletteOptions(): Option[] {
   const first = (doc: string): string => doc.split("\n")[0] ?? "";
   return [
     ...catalog.nodes.map((face) => ({ value: face.id, label: face.id, detail: first(face.doc), mark: "leaf" })),
+    ...toBeMade(catalog.nodes).map((face) => ({ value: face.id, label: face.id === NEW_COMPONENT ? "a new component" : face.id, detail: face.doc, mark: "to be made" })),
     ...subtasks().map((face) => ({ value: face.id, label: face.id, detail: first(face.doc), mark: "subtask" })),
     ...kinds().filter((face) => face.kind !== "subtask").map((face) => ({ value: face.kind, label: face.title, detail: first(face.doc), mark: "container" })),
   ];
@@ -39,6 +42,7 @@ export async function add(what: string, at?: Spot): Promise<void> {
     report("No container takes another child: wrap the root in a sequence first.");
     return;
   }
+  if (!(await provided(what))) return;
   const { command, path } = addNew(task, nodes(), useDocument.getState().catalog, what, spot);
   await edit(command, path, `${nameOf(path)} was added to ${spot.parent}`);
 }

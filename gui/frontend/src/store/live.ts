@@ -92,7 +92,7 @@ export async function loadGeometry(): Promise<void> {
   try {
     useRobot.setState({ view: await server.geometry() });
   } catch (error) {
-    useRobot.setState({ view: { name: "", links: {}, joints: [], meshes: [], rest: {}, grasp: {}, error: messageOf(error) } });
+    useRobot.setState({ view: { name: "", links: {}, joints: [], meshes: [], rest: {}, grasp: {}, groups: {}, states: {}, findings: [], error: messageOf(error) } });
   }
 }
 

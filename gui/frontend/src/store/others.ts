@@ -1,12 +1,28 @@
-/** The selections of other pages, and telling them of this one. */
+/** The selections of other pages, and what this one tells them: its name, what it shows, what is selected. */
 import { create } from "zustand";
 
 import { pagesAt, type Selections, taken, toTell } from "../model/others";
 import type { Viewer, Selected, Selection } from "../protocol/generated";
 import { usePage } from "./page";
-import { lookedAt } from "./presence";
 import { useRun } from "./run";
 import { useRunning } from "./runDesk";
+
+const KEY = "grip-name";
+export const LONGEST_NAME = 40;
+
+/** The name that the person chose, for all tabs of this browser; empty for the one that the server gives. */
+export function givenName(): string {
+  return (localStorage.getItem(KEY) ?? "").slice(0, LONGEST_NAME);
+}
+
+export function keepName(name: string): void {
+  localStorage.setItem(KEY, name.trim().slice(0, LONGEST_NAME));
+}
+
+/** The task file that this page shows; empty while it shows the project's files. */
+export function lookedAt(): string {
+  return usePage.getState().room === "task" ? useRun.getState().task.path : "";
+}
 
 interface OthersStore {
   readonly selections: Selections;

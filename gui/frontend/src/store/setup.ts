@@ -8,6 +8,8 @@ import { useDocument } from "./document";
 import { useRun } from "./run";
 import { loadProject, renewNames } from "./tasks";
 
+export type Making = "component" | "import" | "topics" | "messages" | null;
+
 export interface SetupStore {
   readonly files: readonly SetupEntry[];
   readonly view: SetupView | null;
@@ -18,11 +20,13 @@ export interface SetupStore {
   /** Whether what is said of the file is of an older text than is shown: the answer about this one is on its way. */
   readonly checking: boolean;
   readonly probe: CommandResult | null;
+  /** What is being made instead of a file being shown. */
+  readonly making: Making;
   /** The line that a problem is about, to be shown in the text. */
   readonly line: number | null;
 }
 
-export const useSetup = create<SetupStore>()(() => ({ files: [], view: null, saved: "", known: "", busy: "", checking: false, probe: null, line: null }));
+export const useSetup = create<SetupStore>()(() => ({ files: [], view: null, saved: "", known: "", making: null, busy: "", checking: false, probe: null, line: null }));
 
 /** Grows with every text; an answer about an older one is left out. */
 let texts = 0;

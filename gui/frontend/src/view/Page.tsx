@@ -4,6 +4,7 @@ import { type CSSProperties, type JSX, lazy, Suspense, useEffect, useState } fro
 
 import { processNotices } from "../model/words";
 import { server } from "../protocol/client";
+import { useBegin } from "../store/begin";
 import { connect, openTask } from "../store/desk";
 import { useDocument } from "../store/document";
 import { save, takeFromDisk, typeText, undo } from "../store/editing";
@@ -12,7 +13,7 @@ import { usePage } from "../store/page";
 import { usePanes } from "../store/panes";
 import { useRun } from "../store/run";
 import { lookAgainOnReturn } from "../store/running";
-import { loadProject, newTask, useProject } from "../store/tasks";
+import { loadProject, useProject } from "../store/tasks";
 import { Divider } from "./Divider";
 import { Foot } from "./Foot";
 import { Outline } from "./Outline";
@@ -25,6 +26,7 @@ import { Inspector } from "./edit/Inspector";
 import { Palette } from "./edit/Palette";
 import { useKeys } from "./hooks";
 
+const StartPage = lazy(() => import("./start/StartPage"));
 const SetupPage = lazy(() => import("./setup/SetupPage"));
 
 const IN_PARTS = new Set(["outline", "node", "split"]);
@@ -60,7 +62,11 @@ export function Page(): JSX.Element {
   useKeys();
   const said = useDocument((s) => s.said);
   const room = usePage((s) => s.room);
+  const shown = useRun((s) => s.task.path);
+  const made = useBegin((s) => s.made !== null);
   const { sizes, hidden } = usePanes();
+  // Of a project that was just made, it is told what it has until its first task is opened.
+  const begins = useBegin((s) => s.choosing) || (shown === "" && (project?.tasks.length === 0 || made));
 
   if (!project) return <p className="hint padded">{error || "Opening the project ..."}</p>;
   return (
@@ -71,8 +77,12 @@ export function Page(): JSX.Element {
         <Suspense fallback={<p className="hint padded">Loading the project's files ...</p>}>
           <SetupPage />
         </Suspense>
+      ) : begins ? (
+        <Suspense fallback={<p className="hint padded">Opening ...</p>}>
+          <StartPage />
+        </Suspense>
       ) : (
-        <TaskRoom empty={project.tasks.length === 0} />
+        <TaskRoom />
       )}
       <Ask />
       {room === "project" && (
@@ -84,7 +94,7 @@ export function Page(): JSX.Element {
   );
 }
 
-function TaskRoom({ empty }: { empty: boolean }): JSX.Element {
+function TaskRoom(): JSX.Element {
   return (
     <>
       <aside className="left" aria-label="Outline and palette">
@@ -95,13 +105,7 @@ function TaskRoom({ empty }: { empty: boolean }): JSX.Element {
       </aside>
       <main aria-label="Views">
         <EditBar />
-        {empty ? (
-          <p className="hint padded">
-            No task files in tasks/ yet. <button onClick={() => void newTask()}>New task</button>
-          </p>
-        ) : (
-          <Stage />
-        )}
+        <Stage />
       </main>
       <aside className="right" aria-label="Details">
         <Inspector />

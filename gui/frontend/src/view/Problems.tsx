@@ -3,12 +3,15 @@ import { type JSX, useState } from "react";
 
 import type { Command } from "../model/commands";
 import type { Problem } from "../protocol/generated";
+import { added } from "../store/begin";
 import { edit, editable } from "../store/editing";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 
 /** So many problems are shown at first, and more by so many: a page of ten thousand would be slow at every edit. */
 const AT_ONCE = 100;
+/** What a project that has none of it can be given by its robot. */
+const MADE = /^unknown-(arm|hand) the project has no |^unknown-node there is no node 'sensor\/overhead'/;
 
 export function Problems(): JSX.Element {
   const problems = useRun((s) => s.task.problems);
@@ -58,6 +61,11 @@ function ProblemItem({ problem, short }: { problem: Problem; short: boolean }): 
       )}
       {!short && problem.line !== null && <span className="hint"> line {problem.line}</span>} {problem.message}
       {problem.fix && problem.fixes.length === 0 && <em> Fix: {problem.fix}.</em>}
+      {!locked && MADE.test(`${problem.code} ${problem.message}`) && (
+        <span className="fixes">
+          <button onClick={() => void added()}>Add what the robot has</button>
+        </span>
+      )}
       {!locked && problem.fixes.length > 0 && (
         <span className="fixes">
           {problem.fixes.map((fix) => (

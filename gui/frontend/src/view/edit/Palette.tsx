@@ -2,6 +2,7 @@
 import { type JSX, useMemo, useState } from "react";
 
 import { kinds } from "../../model/kinds";
+import { NEW_COMPONENT, toBeMade } from "../../model/parts";
 import { groupOf, GROUPS } from "../../model/words";
 import { matching } from "../../model/search";
 import { useDocument } from "../../store/document";
@@ -27,6 +28,7 @@ export function Palette(): JSX.Element {
     const entries: Entry[] = [
       ...kinds().filter((face) => face.kind !== "subtask").map((face) => ({ id: face.kind, label: face.title, detail: face.doc, mark: "containers", kind: face.kind })),
       ...catalog.nodes.map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: groupOf(face.id), kind: "leaf" })),
+      ...(catalog.nodes.length === 0 ? [] : toBeMade(catalog.nodes)).map((face) => ({ id: face.id, label: face.id === NEW_COMPONENT ? "New component ..." : `${face.id} ...`, detail: face.doc, mark: groupOf(face.id), kind: "leaf" })),
       ...catalog.tasks.filter((face) => face.id !== path).map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: "tasks", kind: "subtask" })),
     ];
     const found = new Map<string, Entry[]>();

@@ -1,5 +1,5 @@
 /** The drawing: camera, light, ground, the robot, the scene around it, and poses; drawn only when something has changed. */
-import { AmbientLight, AxesHelper, CanvasTexture, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, type Object3D, PerspectiveCamera, Points, Scene, Sprite, SpriteMaterial, Vector3, WebGLRenderer } from "three";
+import { AmbientLight, AxesHelper, Box3, CanvasTexture, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, type Object3D, PerspectiveCamera, Points, Scene, Sphere, Sprite, SpriteMaterial, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Stand } from "../../model/timeline";
@@ -19,6 +19,8 @@ export interface Space {
   /** Where the grasp frames are: hand -> x y z [m]. */
   grasps(): ReadonlyMap<string, readonly [number, number, number]>;
   from(side: Side): void;
+  /** Look at the whole robot, as near as it fits. */
+  fit(): void;
   turn(around: number, over: number): void;
   nearer(factor: number): void;
   close(): void;
@@ -79,6 +81,16 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
     draw();
   }
 
+  function fit(): void {
+    const around = new Box3().setFromObject(robot.root).getBoundingSphere(new Sphere());
+    const { clientWidth: width, clientHeight: height } = canvas.parentElement ?? canvas;
+    const narrow = width > 0 ? Math.max(1, height / width) : 1;
+    controls.target.copy(around.center);
+    camera.position.copy(around.center).add(new Vector3(1.15, -0.95, 0.65).normalize().multiplyScalar(Math.max(0.1, 2.75 * around.radius) * narrow));
+    controls.update();
+    draw();
+  }
+
   function show(stand: Stand | null, places: readonly NamedPlace[], clouds: readonly NamedCloud[], frames: boolean): void {
     robot.stand(stand?.joints ?? new Map());
     for (const each of axes) each.visible = frames;
@@ -125,6 +137,7 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
       return new Map([...held].map(([hand, frame]) => [hand, frame.getWorldPosition(new Vector3()).toArray() as [number, number, number]]));
     },
     from,
+    fit,
     turn: (around, over) => {
       const arm = camera.position.clone().sub(controls.target);
       arm.applyAxisAngle(camera.up, around * STEP);

@@ -5,27 +5,36 @@ import { server } from "../../protocol/client";
 import type { ImportView, ImportRequest, InterfaceView, InterfaceRequest } from "../../protocol/generated";
 import { chooseTask } from "../../store/desk";
 import { usePage } from "../../store/page";
+import { FileBrowser } from "../start/FileBrowser";
 import { openSetup, refreshed, report } from "../../store/setup";
 
-const SOURCES: readonly [ImportRequest["source"], string, string][] = [
-  ["smach", "SMACH state machine (.py)", ".py"],
-  ["btcpp", "BehaviorTree.CPP 4 (.xml)", ".xml"],
-  ["pytrees", "py_trees (.xml)", ".xml"],
+/** Source, what it is called, how its files end, and whether its code can be run to see what it builds. */
+const SOURCES: readonly [ImportRequest["source"], string, string, boolean][] = [
+  ["smach", "SMACH state machine (.py)", ".py", true],
+  ["btcpp", "BehaviorTree.CPP 4 (.xml)", ".xml", false],
+  ["pytrees", "py_trees (.xml, or .py that builds a tree)", ".xml", true],
+  ["grip", "the first GRIP (a folder, .ini or .yaml)", "", false],
 ];
+const ENDS: Record<ImportRequest["source"], RegExp> = { smach: /\.py$/, btcpp: /\.xml$/, pytrees: /\.(xml|py)$/, grip: /\.(ini|yaml)$/ };
 
 export function ImportForm(): JSX.Element {
   const [source, setSource] = useState<ImportRequest["source"]>("smach");
   const [view, setView] = useState<ImportView | null>(null);
   const [said, setSaid] = useState("");
+  const [execute, setExecute] = useState(false);
+  const [path, setPath] = useState("");
+  const runs = SOURCES.find(([name]) => name === source)?.[3] ?? false;
   const suffix = SOURCES.find(([name]) => name === source)?.[2] ?? "";
   async function take(event: ChangeEvent<HTMLInputElement>): Promise<void> {
     const file = event.target.files?.[0];
     event.target.value = "";
-    if (!file) return;
+    if (file) await bring({ name: file.name, text: await file.text(), path: "" });
+  }
+  async function bring(what: Pick<ImportRequest, "name" | "text" | "path">): Promise<void> {
     setView(null);
-    setSaid("Reading it ...");
+    setSaid(execute && runs ? "Running it, to see what it builds ..." : "Reading it ...");
     try {
-      setView(await server.setupImport({ source, name: file.name, text: await file.text() }));
+      setView(await server.setupImport({ ...what, source, execute: execute && runs }));
       setSaid("");
       await refreshed();
     } catch (error) {
@@ -35,10 +44,10 @@ export function ImportForm(): JSX.Element {
   return (
     <section className="setup-interface" aria-labelledby="import-title">
       <h3 id="import-title">Import a task</h3>
-      <p className="hint">The file is copied to legacy/ and read. No code in it is executed.</p>
+      <p className="hint">A file that is sent is copied to legacy/. It is read; code in it runs only if you say so below.</p>
       <div className="form-field">
         <label htmlFor="import-source">What it is</label>
-        <select id="import-source" value={source} onChange={(event) => setSource(event.target.value as ImportRequest["source"])}>
+        <select id="import-source" value={source} onChange={(event) => (setSource(event.target.value as ImportRequest["source"]), setPath(""))}>
           {SOURCES.map(([name, label]) => (
             <option key={name} value={name}>
               {label}
@@ -46,10 +55,30 @@ export function ImportForm(): JSX.Element {
           ))}
         </select>
       </div>
-      <div className="form-field">
-        <label htmlFor="import-file">File</label>
-        <input id="import-file" type="file" accept={suffix} onChange={(event) => void take(event)} />
-      </div>
+      {runs && (
+        <fieldset className="import-trust">
+          <legend>May its code be run?</legend>
+          <label>
+            <input type="radio" name="import-trust" checked={!execute} onChange={() => setExecute(false)} /> No: read it only. What only running it would tell is left out, and said.
+          </label>
+          <label>
+            <input type="radio" name="import-trust" checked={execute} onChange={() => setExecute(true)} /> Yes, I trust it: run it in a process of its own, to see what it builds.
+          </label>
+        </fieldset>
+      )}
+      {suffix && (
+        <div className="form-field">
+          <label htmlFor="import-file">File</label>
+          <input id="import-file" type="file" accept={suffix} onChange={(event) => void take(event)} />
+        </div>
+      )}
+      <details open={suffix === "" || undefined}>
+        <summary>Or where it lies, with the files beside it</summary>
+        <FileBrowser key={source} fits={(entry) => (entry.kind === "file" ? ENDS[source].test(entry.name) : source !== "pytrees")} chosen={path} choose={setPath} />
+        <button className="main" disabled={path === ""} onClick={() => void bring({ name: "", text: "", path })}>
+          Import {path.split("/").at(-1)}
+        </button>
+      </details>
       <p role="status">{said}</p>
       {view && (
         <>

@@ -1,25 +1,25 @@
 /** The files that put a project together: a list, the open one as a form, and as text beside it. */
 import "./setup.css";
-import { type JSX, useEffect, useState } from "react";
+import { type JSX, lazy, Suspense, useEffect, useState } from "react";
 
 import { formKind, freeName, type Shape, shapeAt, valueAt } from "../../model/shapes";
 import type { SetupView, Template } from "../../protocol/generated";
-import { listSetup, openSetup, probe, saveSetup, setValue, report, useSetup } from "../../store/setup";
+import { loadGeometry, useRobot } from "../../store/live";
+import { listSetup, type Making, openSetup, probe, saveSetup, setValue, report, useSetup } from "../../store/setup";
 import { ImportForm, InterfaceForm } from "./ImportForm";
 import { MessagesPage } from "./MessagesPage";
+import { ProjectParts, WorldPicture } from "./ProjectParts";
 import { SchemaForm } from "./SchemaForm";
 import { SetupText } from "./SetupText";
 import { TopicsPage } from "./TopicsPage";
 import { TryForm } from "./TryForm";
 
-/** What is being made instead of a file being shown. */
-type Making = "component" | "import" | "topics" | "messages" | null;
-
 const TITLES: Record<Exclude<Making, null>, string> = { component: "New component", import: "Import a task", topics: "Topics", messages: "Message server" };
 
 export default function SetupPage(): JSX.Element {
   const view = useSetup((s) => s.view);
-  const [making, setMaking] = useState<Making>(null);
+  const making = useSetup((s) => s.making);
+  const setMaking = (what: Making): void => useSetup.setState({ making: what });
   useEffect(() => {
     listSetup()
       .then(() => (useSetup.getState().view === null ? openSetup("grip.yaml") : undefined))
@@ -121,6 +121,9 @@ function Open({ view }: { view: SetupView }): JSX.Element {
         </div>
         <div className="scroll padded" tabIndex={0} role="group" aria-label="Form">
           <Found view={view} />
+          {view.kind === "project" && <ProjectParts />}
+          {view.kind === "project" && <OwnRobot robot={JSON.stringify((view.data as { robot?: unknown } | null)?.robot ?? null)} />}
+          {view.kind === "world" && <WorldPicture key={view.path} view={view} />}
           {view.kind === "component" && <TryForm path={view.path} />}
           <SchemaForm view={view} />
         </div>
@@ -130,6 +133,29 @@ function Open({ view }: { view: SetupView }): JSX.Element {
         <Tried />
       </aside>
     </>
+  );
+}
+
+const RobotPreview = lazy(() => import("../robot/RobotPreview"));
+
+/** The robot of the saved file: in 3D, with its joints; folded until somebody looks. */
+function OwnRobot({ robot }: { robot: string }): JSX.Element | null {
+  const [open, setOpen] = useState(false);
+  const view = useRobot((s) => s.view);
+  const saved = useSetup((s) => s.saved === s.view?.text);
+  useEffect(() => {
+    if (open && saved) void loadGeometry();
+  }, [open, saved, robot]);
+  if (robot === "null") return null;
+  return (
+    <details className="own-robot" onToggle={(event) => setOpen(event.currentTarget.open)}>
+      <summary>The robot in 3D: joints, named states, what its files said</summary>
+      {open && (
+        <Suspense fallback={<p className="hint loading">Loading the 3D view ...</p>}>
+          <RobotPreview view={saved ? view : null} moves />
+        </Suspense>
+      )}
+    </details>
   );
 }
 

@@ -1,0 +1,119 @@
+// A newcomer, from an empty folder to a hand that holds something: choose a robot, take it, open its first task, run it. Then
+// what lacks is offered where it is missed. What the person does is counted; axe looks at every new screen, light and dark.
+import assert from "node:assert/strict";
+import { existsSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+
+import { check } from "./axe.mjs";
+import { eventually, onPage, rest, url } from "./page.mjs";
+
+const [folder, robots] = rest;
+const BUDGET = 5;
+
+// What is on each door's other side, looked at in both themes before anything is written.
+for (const colorScheme of ["light", "dark"]) {
+  await onPage(
+    url,
+    async (page, { button }) => {
+      const shoot = (name) => process.env.SHOTS && page.screenshot({ path: `${process.env.SHOTS}/${name}-${colorScheme}-${page.viewportSize().width}.png` });
+      const door = (name) => page.getByRole("group", { name: "How to begin" }).getByRole("button", { name: new RegExp(`^${name}`) });
+      const both = async (name) => {
+        await check(page, `${colorScheme}, ${name}`);
+        for (const [width, height] of process.env.SHOTS ? [[1920, 1080], [1280, 720]] : []) {
+          await page.setViewportSize({ width, height });
+          await shoot(name);
+        }
+      };
+      await door("Take a robot").waitFor();
+      await both("doors");
+      await door("Open an example").click();
+      await page.getByRole("list", { name: "Tasks of the example" }).getByText("reactive pick").waitFor();
+      await both("examples");
+      await door("Bring a task").click();
+      await page.getByRole("group", { name: "May its code be run?" }).waitFor();
+      await both("tasks from elsewhere");
+      await page.getByLabel("What it is").selectOption("grip");
+      await page.getByRole("list", { name: /^What lies in/ }).waitFor();
+      await door("Take a robot").click();
+      await page.getByLabel("Search the robots").fill("robotiq ur5");
+      await page.getByRole("list", { name: "Ready-made robots" }).getByRole("button", { name: /^ur5_robotiq/ }).click();
+      await page.getByRole("application").waitFor();
+      await both("robots");
+      // Files are browsed: up from the project to where a robot lies, and into its folder.
+      await button("My files ...").click();
+      for (const step of robots.split("/").filter(Boolean)) {
+        const crumb = page.getByRole("navigation", { name: "Folder" }).getByRole("button", { name: step, exact: true });
+        if ((await crumb.count()) > 0) await crumb.first().click();
+        else await page.getByRole("button", { name: step, exact: true }).click();
+        await page.locator("[aria-current=location]").getByText(step, { exact: true }).waitFor();
+      }
+      await page.getByRole("button", { name: "arm.urdf" }).click();
+      await page.getByRole("application", { name: /2 joints/ }).waitFor();
+      await both("files");
+      assert.equal(existsSync(join(folder, "grip.yaml")), false);
+    },
+    { colorScheme, reducedMotion: "reduce" },
+  );
+}
+
+// The first run. Four presses, and a fifth that runs it.
+let actions = 0;
+await onPage(
+  url,
+  async (page, { answer, button, nodeIs, pick, runIs }) => {
+    const press = async (what) => (actions++, what.click());
+    const has = page.getByRole("list", { name: "What the project has" });
+    const shoot = async (name) => {
+      if (process.env.SHOTS) await page.screenshot({ path: `${process.env.SHOTS}/${name}-light-1280.png` });
+    };
+    await press(page.getByRole("button", { name: /^Take a robot/ }));
+    await press(page.getByRole("list", { name: "Ready-made robots" }).getByRole("button", { name: "panda The", exact: false }));
+    await press(button("Take panda"));
+    await page.getByRole("heading", { name: "The project is there" }).waitFor();
+    for (const part of [/Robot panda/, /Arms arm/, /Hands hand/, /Cameras and sensors overhead/, /World bench/, /Tasks first, take/]) await has.getByText(part).or(has.getByRole("listitem").filter({ hasText: part })).first().waitFor();
+    await page.getByRole("application", { name: /^panda/ }).waitFor();
+    await check(page, "what the project has");
+    await shoot("made");
+    await press(button("Open the first task"));
+    await nodeIs("held", "not started");
+    await page.getByText("No problems.").waitFor();
+    await press(button("Run"));
+    await runIs("success: success");
+    await nodeIs("held", "success");
+    assert.ok(actions <= BUDGET, `${actions} actions, of ${BUDGET}`);
+    console.log(`${actions} actions`);
+    // The hand holds it: the drawing says so in words, and the referee agrees.
+    await page.locator(".robot-words summary").click();
+    await page.getByLabel("The drawing in words").getByText(/held by hand/).waitFor();
+    await shoot("held");
+
+    // What isn't there is offered where it is missed: take the camera out, and add its node.
+    await button("Project").click();
+    await page.getByText("The robot in 3D").click();
+    await page.getByRole("slider", { name: "panda_joint4" }).waitFor();
+    await page.getByRole("application", { name: /^panda/ }).waitFor();
+    await check(page, "robot");
+    await shoot("robot");
+    await page.getByRole("button", { name: "Remove overhead from sensors" }).click();
+    await has.getByText("none yet").waitFor();
+    await page.keyboard.press("Control+s");
+    await eventually(() => readFileSync(join(folder, "grip.yaml"), "utf8"), (text) => !text.includes("sensors:"));
+    await page.getByRole("button", { name: /^World bench/ }).click();
+    await page.getByRole("button", { name: "See what overhead sees" }).click();
+    const seen = page.getByRole("img", { name: /^What the camera overhead/ });
+    await eventually(() => seen.evaluate((image) => image.naturalWidth).catch(() => 0), (width) => width > 0);
+    await check(page, "world");
+    await shoot("world");
+    await button("Tasks").click();
+    await button("Edit the task").click();
+    await pick("take");
+    await page.keyboard.press("/");
+    await answer("sensor/overhead");
+    await page.getByRole("dialog").getByRole("heading", { name: "The project has no camera yet" }).waitFor();
+    await check(page, "question: no camera");
+    await answer("Add the robot's camera");
+    await eventually(() => readFileSync(join(folder, "grip.yaml"), "utf8"), (text) => text.includes("overhead"));
+    await page.getByRole("treeitem", { name: /^overhead / }).waitFor();
+  },
+  { reducedMotion: "reduce" },
+);

@@ -1,0 +1,54 @@
+/** What a project needs to run a task, what it has of that, and what a node lacks. */
+
+/** What a project needs to run a task. */
+export interface Part {
+  readonly what: "robot" | "arms" | "hands" | "sensors" | "world" | "tasks";
+  readonly title: string;
+  /** What there is of it. */
+  readonly names: readonly string[];
+}
+
+/** What a project's `grip.yaml` and its tasks say of what is needed. */
+export function partsOf(data: unknown, tasks: readonly string[]): Part[] {
+  const file = (typeof data === "object" && data !== null ? data : {}) as Record<string, unknown>;
+  const keys = (value: unknown): string[] => (typeof value === "object" && value !== null ? Object.keys(value) : []);
+  const { robot, world } = file;
+  return [
+    { what: "robot", title: "Robot", names: typeof robot === "string" ? [robot] : keys(robot).length > 0 ? ["from files"] : [] },
+    { what: "arms", title: "Arms", names: keys(file.arms) },
+    { what: "hands", title: "Hands", names: keys(file.hands) },
+    { what: "sensors", title: "Cameras and sensors", names: keys(file.sensors) },
+    { what: "world", title: "World", names: typeof world === "string" ? [world] : [] },
+    { what: "tasks", title: "Tasks", names: tasks.map((path) => path.replace(/^tasks\/|\.ya?ml$/g, "")) },
+  ];
+}
+
+/** The task that shows most: the one in which the hand holds something, if there is one. */
+export function firstTask(tasks: readonly string[]): string | undefined {
+  return tasks.find((path) => path === "tasks/take.yaml") ?? tasks[0];
+}
+
+/** Which nodes need which part, and what one of it is called. */
+export const NEEDS: readonly [RegExp, Part["what"], string][] = [
+  [/^(arm|grasp)\//, "arms", "arm"],
+  [/^hand\//, "hands", "hand"],
+  [/^sensor\//, "sensors", "camera"],
+];
+
+/** What a node needs that the project doesn't have. */
+export function lackingFor(node: string, parts: readonly Part[]): { what: Part["what"]; word: string } | null {
+  const [, what, word] = NEEDS.find(([pattern]) => pattern.test(node)) ?? [];
+  const there = parts.find((part) => part.what === what)?.names.length ?? 0;
+  return what === undefined || word === undefined || there > 0 ? null : { what, word };
+}
+
+/** Stands in the palette for a component that isn't there yet. */
+export const NEW_COMPONENT = "component/";
+/** A camera of the world, for a project that has no sensor yet. */
+export const NEW_CAMERA = "sensor/overhead";
+
+/** What the palette offers to make besides what is there. */
+export function toBeMade(nodes: readonly { id: string }[]): { id: string; doc: string }[] {
+  const camera = nodes.some((face) => face.id.startsWith("sensor/")) ? [] : [{ id: NEW_CAMERA, doc: "The project has no camera yet: one is added." }];
+  return [...camera, { id: NEW_COMPONENT, doc: "Software of others as a node: made of a .srv or .action." }];
+}

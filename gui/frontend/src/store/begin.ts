@@ -1,0 +1,121 @@
+/** How a project begins: with a robot, a task from elsewhere, or an example; and what it lacks, which can be added. */
+import { create } from "zustand";
+
+import { lackingFor, NEEDS, NEW_COMPONENT, partsOf } from "../model/parts";
+import { server } from "../protocol/client";
+import type { BeginView } from "../protocol/generated";
+import { askChoice, type Option } from "./ask";
+import { openTask } from "./desk";
+import { setRobotOpen } from "./live";
+import { goToTree, usePage } from "./page";
+import { useRun } from "./run";
+import { openSetup, refreshed, report, saveSetup, isDirty, useSetup } from "./setup";
+import { useProject } from "./tasks";
+
+export interface BeginStore {
+  /** What is being done, in words; empty for nothing. */
+  readonly busy: string;
+  readonly error: string;
+  /** What was written, once it was. */
+  readonly made: BeginView | null;
+  /** Whether a robot is being chosen for a project that has begun. */
+  readonly choosing: boolean;
+}
+
+export const useBegin = create<BeginStore>()(() => ({ busy: "", error: "", made: null, choosing: false }));
+
+async function working<T>(busy: string, work: () => Promise<T>): Promise<T | null> {
+  useBegin.setState({ busy, error: "" });
+  try {
+    return await work();
+  } catch (error) {
+    useBegin.setState({ error: error instanceof Error ? error.message : String(error) });
+    return null;
+  } finally {
+    useBegin.setState({ busy: "" });
+  }
+}
+
+/** Have the server write what a project for a robot lacks; where the robot has several configurations, ask first. */
+export async function begin(robot: string, chosen: readonly string[] = []): Promise<boolean> {
+  if (isDirty() && !(await saveSetup())) return false;
+  const said = robot === "" ? "Adding what the robot has ..." : `Reading ${robot.split("/").at(-1)}, and looking for what it can reach ...`;
+  const made = await working(said, () => server.begin({ robot, example: "", chosen: [...chosen] }));
+  if (made === null) return false;
+  if (made.choices.length > 0) {
+    const options = made.choices.map((name) => ({ value: name, label: name }));
+    const answer = await askChoice({ title: "Which configuration?", label: made.question, options, search: true });
+    return answer !== null && (await begin(robot, [...chosen, answer]));
+  }
+  await reread();
+  useBegin.setState({ made });
+  return true;
+}
+
+/** The files are others now. */
+async function reread(): Promise<void> {
+  const { view } = useSetup.getState();
+  if (view !== null) useSetup.setState({ view: null, saved: "" });
+  await refreshed();
+  await openSetup(view?.path ?? "grip.yaml");
+}
+
+export async function openExample(task: string): Promise<void> {
+  const made = await working("Copying the example project ...", () => server.begin({ robot: "", example: task, chosen: [] }));
+  if (made === null) return;
+  await reread();
+  await openFirst(made.files[0] ?? "");
+}
+
+/** Show a task, and the robot beside it. */
+export async function openFirst(path: string): Promise<void> {
+  try {
+    await openTask(path);
+    leaveBeginning();
+    usePage.getState().setRoom("task");
+    setRobotOpen(true);
+    goToTree();
+  } catch (error) {
+    report(error);
+  }
+}
+
+/** Before a node is added: offer to make what it needs. Returns whether it shall be added. */
+export async function provided(node: string): Promise<boolean> {
+  if (node === NEW_COMPONENT) {
+    usePage.getState().setRoom("project");
+    useSetup.setState({ making: "component" });
+    return false;
+  }
+  if (!NEEDS.some(([pattern]) => pattern.test(node))) return true;
+  const tasks = useProject.getState().project?.tasks.map((task) => task.path) ?? [];
+  const file = await server.setupFile("grip.yaml").catch(() => null);
+  const parts = partsOf(file?.data, tasks);
+  const lacking = file === null ? null : lackingFor(node, parts);
+  if (lacking === null) return true;
+  const robot = parts.some((part) => part.what === "robot" && part.names.length > 0);
+  const options: Option[] = [
+    robot ? { value: "add", label: `Add the robot's ${lacking.word}`, detail: "Written into grip.yaml, with whatever else is missing" } : { value: "choose", label: "Choose a robot", detail: "It comes with arms, hands, a camera and a world" },
+    { value: "anyway", label: "Add the node all the same" },
+  ];
+  const answer = await askChoice({ title: `The project has no ${lacking.word} yet`, label: `${node} needs one`, options });
+  if (answer === "choose") chooseRobot();
+  return answer === "anyway" || (answer === "add" && (await added()));
+}
+
+/** Add what the robot has; what keeps it from that is said. */
+export async function added(): Promise<boolean> {
+  const done = await begin("");
+  const { error } = useBegin.getState();
+  if (error) useRun.getState().setError(error);
+  return done;
+}
+
+export function leaveBeginning(): void {
+  useBegin.setState({ choosing: false, made: null, error: "" });
+}
+
+export function chooseRobot(): void {
+  useBegin.setState({ choosing: true, made: null, error: "" });
+  usePage.getState().setRoom("task");
+}

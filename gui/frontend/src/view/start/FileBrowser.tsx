@@ -1,0 +1,94 @@
+/** Folders and files of the machine that the server runs on, to be chosen from instead of typed. */
+import { type JSX, useEffect, useState } from "react";
+
+import { server } from "../../protocol/client";
+import type { FolderView } from "../../protocol/generated";
+
+type EntryKind = FolderView["kind"];
+
+/** Something in a folder. */
+export interface Entry {
+  readonly name: string;
+  readonly kind: EntryKind;
+}
+
+interface BrowserProps {
+  /** What can be chosen: of a file, its name decides; of a folder, what it is. */
+  readonly fits: (entry: Entry) => boolean;
+  readonly chosen: string;
+  readonly choose: (path: string) => void;
+}
+
+const MARKS: Record<EntryKind, string> = { moveit: "MoveIt configuration", package: "ROS package", folder: "", file: "" };
+const SHAPES: Record<"folder" | "file", string> = { folder: "M2 4h4l1.5 2H14v7H2z", file: "M4 2h5l3 3v9H4zM9 2v3h3" };
+
+export function FileBrowser({ fits, chosen, choose }: BrowserProps): JSX.Element {
+  const [view, setView] = useState<FolderView | null>(null);
+  const [error, setError] = useState("");
+  function go(at: string): void {
+    server.browse(at).then(
+      (found) => {
+        setView(found);
+        setError("");
+      },
+      (why: unknown) => setError(why instanceof Error ? why.message : String(why)),
+    );
+  }
+  useEffect(() => go(""), []);
+  if (view === null) return <p className="hint" role="status">{error || "Looking ..."}</p>;
+  const join = (name: string): string => `${view.at === "/" ? "" : view.at}/${name}`;
+  const steps = view.at.split("/").filter(Boolean);
+  const here: Entry = { name: steps.at(-1) ?? "/", kind: view.kind };
+  return (
+    <div className="browser">
+      <nav aria-label="Folder">
+        <button className="link" onClick={() => go("/")}>/</button>
+        {steps.map((step, at) => (
+          <button key={at} className="link" aria-current={at === steps.length - 1 ? "location" : undefined} onClick={() => go(`/${steps.slice(0, at + 1).join("/")}`)}>
+            {step}
+          </button>
+        ))}
+      </nav>
+      {error && <p className="fault" role="alert">{error}</p>}
+      {fits(here) && (
+        <p>
+          <button aria-pressed={chosen === view.at} onClick={() => choose(view.at)}>
+            Choose this folder
+          </button>{" "}
+          <span className="hint">{MARKS[view.kind]}</span>
+        </p>
+      )}
+      <ul className="plain scroll" tabIndex={0} aria-label={`What lies in ${here.name}`}>
+        {view.above !== "" && (
+          <li>
+            <Row entry={{ name: "..", kind: "folder" }} pressed={false} press={() => go(view.above)} />
+          </li>
+        )}
+        {Object.entries(view.entries)
+          .map(([name, kind]) => ({ name, kind }))
+          .filter((entry) => entry.kind !== "file" || fits(entry))
+          .map((entry) => (
+            <li key={entry.name}>
+              <Row entry={entry} pressed={chosen === join(entry.name)} press={() => (entry.kind === "file" ? choose(join(entry.name)) : go(join(entry.name)))} />
+              {entry.kind !== "file" && fits(entry) && (
+                <button className="browser-take" aria-label={`Choose the folder ${entry.name}`} aria-pressed={chosen === join(entry.name)} onClick={() => choose(join(entry.name))}>
+                  Choose
+                </button>
+              )}
+            </li>
+          ))}
+      </ul>
+    </div>
+  );
+}
+
+function Row({ entry, pressed, press }: { entry: Entry; pressed: boolean; press: () => void }): JSX.Element {
+  return (
+    <button className="setup-file" aria-pressed={entry.kind === "file" ? pressed : undefined} onClick={press}>
+      <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
+        <path d={SHAPES[entry.kind === "file" ? "file" : "folder"]} />
+      </svg>{" "}
+      {entry.name === ".." ? ".. (one folder up)" : entry.name} {MARKS[entry.kind] && <span className="browser-mark">{MARKS[entry.kind]}</span>}
+    </button>
+  );
+}

@@ -1,0 +1,48 @@
+"""A new project for a robot with an arm and a hand has a task in which the hand takes something and holds it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import find_project, make_project
+from grip_bt.app.project.new_robot import new_robot
+from grip_bt.app.runs.execute import run
+from grip_bt.task.document import read
+from grip_bt.task.validation import validate
+from grip_sim.worlds import load_world
+
+
+def made(robot: str, folder: Path) -> set[str]:
+    files = new_robot(robot, folder, lambda question, names: names[0]).files
+    make_project(folder, files)
+    return set(files)
+
+
+@pytest.mark.parametrize(("robot", "thing"), [("ur5_gripper", "block"), ("ur10_shadow", "can")])
+def test_two_fingers_get_a_block_and_more_a_can_in_a_task_without_problems(robot, thing, tmp_path):
+    assert {"tasks/take.yaml", "worlds/bench.yaml"} <= made(robot, tmp_path)
+    project = find_project(tmp_path)
+    assert project.file.world == "bench"
+    assert list(project.file.sensors) == ["overhead"]
+    (there,) = load_world("bench", 0, tmp_path).objects
+    assert there.name == thing
+    document = read(tmp_path / "tasks" / "take.yaml")
+    assert list(validate(document.task, catalogue_of(project), document).issues) == []
+    place = document.task.data["place"].value
+    assert abs(place["position"][0] - there.position[0]) + abs(place["position"][1] - there.position[1]) < 0.1
+
+
+@pytest.mark.parametrize(("robot", "world"), [("allegro_right", "table"), ("ur5", "table")])
+def test_what_has_no_arm_or_no_hand_takes_nothing(robot, world, tmp_path):
+    assert made(robot, tmp_path) == {"grip.yaml", "tasks/first.yaml"}
+    assert find_project(tmp_path).file.world == world
+
+
+@pytest.mark.sim
+def test_the_hand_holds_it_in_simulation(tmp_path):
+    made("panda_allegro", tmp_path)
+    result = run(tmp_path / "tasks" / "take.yaml", robot="sim")
+    assert result.status == "success", result
