@@ -52,6 +52,7 @@ _HOME = {
     "BehaviourTree": "grip_bt.runtime",
     "TreeRun": "grip_bt.runtime",
     "tree_run": "grip_bt.app.wiring.open",
+    "campaign": "grip_bt.app.campaign.run",
     "run": "grip_bt.app.runs.execute",
     "run_async": "grip_bt.app.runs.execute",
 }

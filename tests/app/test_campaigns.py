@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import grip_bt as grip
 from grip_bt.app.campaign.file import head_of, read_campaign
 from grip_bt.app.campaign.report import FORMS, as_csv, as_text, records, write_report
 from grip_bt.app.campaign.results import Results, alone, begin, read
@@ -493,6 +494,21 @@ def test_reports_are_written_in_the_form_that_their_file_says(project, tmp_path)
     assert {"trial", "limit", "form", "numpy", "success"} <= first.keys()
     with pytest.raises(CampaignError, match=r"reports end in \.txt"):
         write_report(results, tmp_path / "r.doc")
+
+
+def test_a_program_runs_a_campaign_and_goes_on_with_it(project, tmp_path, monkeypatch):
+    file, place = project / "campaigns/who.yaml", tmp_path / "r.jsonl"
+    done = grip.campaign(file, output=place)
+    trials = [record["trial"] for record in done.records]
+    assert len(trials) == len(set(trials)) == len(read_campaign(file).trials())
+    assert set(done.summary["variants"]) == {trial.partition("@")[0] for trial in trials}
+    assert str(done).strip()
+    with pytest.raises(CampaignError, match="there are results already"):
+        grip.campaign(file, output=place)
+    assert [record["trial"] for record in grip.campaign(file, output=place, resume=True).records] == trials
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(grip.GripError, match="pip install pandas"):
+        done.frame()
 
 
 def test_parquet_holds_a_record_a_trial(tmp_path):
