@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import argparse
 import errno
+import logging
 import os
 import sys
+import traceback
 from collections.abc import Collection, Sequence
 from importlib import import_module
 
 from grip_bt import __version__
 from grip_bt.base.errors import GripError, MissingPartError, NodeError, remedy_of
-from grip_bt.cli import INVALID, NODE_ERROR
+from grip_bt.cli import INVALID, NODE_ERROR, terminal
 from grip_bt.cli.parser import Parser
 from grip_bt.cli.terminal import complain, give_up, ready
 
@@ -73,6 +75,9 @@ def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> ar
             module = import_module(f"grip_bt.cli.{_MODULES.get(verb, verb)}")
             options.set_defaults(usage_error=options.error, run=getattr(module, f"run_{verb}", None))
             getattr(module, f"add_{verb}")(options)
+            options.add_argument("-q", "--quiet", action="store_true", help="print results and errors only")
+            loud = "also print what is logged, and where an error was raised"
+            options.add_argument("-v", "--verbose", action="store_true", help=loud)
     return parser
 
 
@@ -97,6 +102,8 @@ def run_verb(arguments: Sequence[str] | None) -> int:
     except NodeError as error:
         return complain(str(error), NODE_ERROR)
     except GripError as error:
+        if logging.root.isEnabledFor(logging.DEBUG):
+            traceback.print_exc()
         if getattr(error, "issues", None):
             print(error, file=sys.stderr)
             return INVALID
@@ -120,6 +127,9 @@ def _done(arguments: Sequence[str] | None) -> int:
     except SystemExit:
         sys.stdout.flush()  # the help, which argparse has printed
         raise
+    terminal.quiet = getattr(args, "quiet", False)
+    if getattr(args, "verbose", False):
+        logging.basicConfig(level=logging.DEBUG, format="%(name)s: %(message)s")
     if getattr(args, "no_code", False):
         from grip_bt.app.project.foreign_code import forbid
 

@@ -85,9 +85,14 @@ def counted(errors: int, warnings: int) -> str:
     return ", ".join(counts) or "ok"
 
 
+quiet = False
+"""Whether nothing is said of what is under way."""
+
+
 def progress(part: str, detail: str) -> None:
     """Say that a part starts, or came up: it may take a while."""
-    print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)
+    if not quiet:
+        print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)
 
 
 def on_stop(stop: Callable[[], object]) -> None:

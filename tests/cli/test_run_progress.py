@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 from pathlib import Path
 
 import pytest
@@ -72,3 +73,14 @@ def test_what_was_measured_after_a_stop_is_in_the_result(capsys):
 def test_a_stop_before_there_is_a_run_names_none(capsys):
     _tell({"status": "stopped", "outcome": None, "message": "before the task began", "run": None}, as_json=False)
     assert capsys.readouterr().out == "stopped: before the task began; no run was started\n"
+
+
+def test_quiet_says_results_alone_and_verbose_where_an_error_was_raised(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("logging.root.handlers", [])
+    monkeypatch.setattr("logging.root.level", logging.WARNING)
+    (tmp_path / "two.yaml").write_text("{grip: 1, name: two, root: {node: messages/list, with: {store: poses}}}")
+    for words, said in (((), True), (("-q",), False), ((), True)):
+        assert main(["run", *words, "--robot", "fake", "--in-process", str(tmp_path / "two.yaml")]) == 0
+        assert ("messages " in capsys.readouterr().err) is said
+    assert main(["convert", "-v", str(tmp_path / "none.yaml"), "--to", "svg"]) == 1
+    assert "Traceback" in capsys.readouterr().err
