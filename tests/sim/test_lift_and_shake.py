@@ -1,0 +1,47 @@
+"""One task file, whatever the hand: the example takes a thing, and the referee sees it held through the shake."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.app.runs.verdict import Verdict
+
+pytestmark = pytest.mark.sim
+EXAMPLES = Path(__file__).parents[2] / "examples"
+PROJECT = """grip: 1
+robot: {robot}
+arms: {{arm: {{group: arm, hand: hand}}}}
+hands: {{hand: {{group: hand}}}}
+sensors: {{overhead: {{camera: overhead}}}}
+world: one
+"""
+WORLD = """grip: 1
+fixtures: {table: {box: [0.70, 1.20, 0.10], at: [0.65, 0.0, -0.10]}}
+objects: {thing: {model: cube, at: [0.52, 0.05, 0.0], yaw: 0.4}}
+cameras:
+  overhead: {at: [0.53, 0, 1.3], quaternion: [0, 0.7071067811865476, -0.7071067811865476, 0], field_of_view: 0.44}
+shake: {amplitude: 0.02, frequency: 0.6}
+judge: {shaken: held_through_shake == 1}
+"""
+
+
+@pytest.mark.parametrize("robot", ["panda", "panda_allegro"])
+def test_a_gripper_and_a_hand_take_a_cube_by_one_task_and_hold_it_through_a_shake(tmp_path, robot):
+    for part in ("nodes", "tasks", "worlds"):
+        (tmp_path / part).mkdir()
+    shutil.copy(EXAMPLES / "nodes" / "hands.py", tmp_path / "nodes")
+    text = (EXAMPLES / "tasks" / "lift_and_shake.yaml").read_text()
+    task = tmp_path / "tasks" / "lift_and_shake.yaml"
+    task.write_text(text.replace("{node: hands/shake}", "{node: hands/shake, with: {frequency: 0.6, seconds: 2.5}}"))
+    (tmp_path / "grip.yaml").write_text(PROJECT.format(robot=robot))
+    (tmp_path / "worlds" / "one.yaml").write_text(WORLD)
+    with open_session(task, RunOptions(seed=0)) as session:
+        verdict = Verdict(session)
+        result = session.runner.run()
+        facts = verdict.facts(result)
+    assert result.status == "success", result.failure
+    assert facts["judged"] == {"shaken": True}
