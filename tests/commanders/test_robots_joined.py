@@ -179,3 +179,18 @@ def test_a_mount_on_a_link_that_is_not_there_lists_those_that_are(tmp_path):
 def test_a_configuration_that_makes_no_sense_is_refused(config, says):
     with pytest.raises(ValueError, match=says):
         RobotConfig.model_validate(config)
+
+
+@pytest.mark.parametrize("name", ["panda_allegro", "ur5", "parallel_gripper"])
+def test_what_is_said_beside_a_ready_made_robot_counts(name):
+    own = load_robot(name)
+    group, joints = next(iter(own.groups.items()))
+    at = {joint: own.at_rest[joint] for joint in joints}
+    said = {"accelerations": {group: 3.5}, "states": {group: {"nearly": at}}, "name": "mine"}
+    made = load_robot(RobotConfig.model_validate({"ready": name, **said}))
+    assert made.name == "mine"
+    assert {made.acceleration_limits[joint] for joint in joints} == {3.5}
+    assert made.named_states[group]["nearly"].as_mapping() == pytest.approx(at)
+    assert set(made.named_states[group]) == {*own.named_states.get(group, {}), "nearly"}
+    others = own.acceleration_limits.keys() - set(joints)
+    assert {each: made.acceleration_limits[each] for each in others} == {e: own.acceleration_limits[e] for e in others}

@@ -113,14 +113,22 @@ def _inspected(config: RobotConfig, folder: Path) -> Inspected:
 
 
 def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
-    """Return a ready-made robot, one with sizes of its own where arguments are given."""
-    if not config.arguments:
+    """Return a ready-made robot, with whatever else is said of it beside `ready`."""
+    said = {key: value for key in _ADDED if (value := getattr(config, key))}
+    if not said or name not in ROBOTS:
         return inspect_robot(name, folder)
-    own, place = config_of(str(ROBOTS[name]), folder) if name in ROBOTS else (None, folder)
-    if own is None or own.xacro is None:
+    own, place = config_of(str(ROBOTS[name]), folder)
+    if config.arguments and own.xacro is None:
         raise DocumentError(f"the ready-made robot {name!r} takes no arguments", str(folder))
-    given = own.model_copy(update={"arguments": {**own.arguments, **config.arguments}})
+    merged = {key: {**getattr(own, key), **value} for key, value in said.items()}
+    if config.states:
+        merged["states"] = {**own.states, **{g: {**own.states.get(g, {}), **at} for g, at in config.states.items()}}
+    given = own.model_copy(update=merged)
     return _renamed(_inspected(given, place), given, name)
+
+
+_ADDED = ("arguments", "groups", "states", "end_effectors", "grasp_frames", "fingers", "drives", "accelerations")
+"""What may be said of a ready-made robot: what is new, or in place of its own."""
 
 
 def _renamed(inspected: Inspected, config: RobotConfig, file: str) -> Inspected:
