@@ -28,8 +28,8 @@ PACKAGES = {
 OTHER_NAMES = {"pyyaml": "yaml", "ruamel.yaml": "ruamel"}
 WITH_THEM = {"annotated_types", "pydantic_core", "starlette"}
 """What pydantic and FastAPI are made of."""
-NAMED_ELSEWHERE = {"launch", "component_name_interfaces", "algorithm"}
-"""ROS's launch, which only a sourced ROS has; and words of templates."""
+NAMED_ELSEWHERE = {"launch", "pandas", "component_name_interfaces", "algorithm"}
+"""ROS's launch, which only a sourced ROS has; data frames for those who have them; and words of templates."""
 
 
 @pytest.fixture(scope="module")

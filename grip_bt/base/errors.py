@@ -82,7 +82,9 @@ EXTRAS = {
     "vision": "cv2",
     "ros": "action_msgs ament_index_python builtin_interfaces geometry_msgs rclpy rosidl_adapter rosidl_generator_c"
     " rosidl_generator_py rosidl_generator_type_description rosidl_parser rosidl_typesupport_c sensor_msgs shape_msgs"
-    " rosidl_typesupport_fastrtps_c rosidl_typesupport_introspection_c std_msgs trajectory_msgs unique_identifier_msgs",
+    " rosidl_typesupport_fastrtps_c rosidl_typesupport_introspection_c std_msgs trajectory_msgs unique_identifier_msgs"
+    " diagnostic_msgs std_srvs",
+    "parquet": "pyarrow",
     "recording": "mcap",
     "rerun": "rerun",
 }

@@ -102,7 +102,7 @@ def run_verb(arguments: Sequence[str] | None) -> int:
     except NodeError as error:
         return complain(str(error), NODE_ERROR)
     except GripError as error:
-        if logging.root.isEnabledFor(logging.DEBUG):
+        if terminal.verbose:
             traceback.print_exc()
         if getattr(error, "issues", None):
             print(error, file=sys.stderr)
@@ -127,8 +127,8 @@ def _done(arguments: Sequence[str] | None) -> int:
     except SystemExit:
         sys.stdout.flush()  # the help, which argparse has printed
         raise
-    terminal.quiet = getattr(args, "quiet", False)
-    if getattr(args, "verbose", False):
+    terminal.quiet, terminal.verbose = getattr(args, "quiet", False), getattr(args, "verbose", False)
+    if terminal.verbose:
         logging.basicConfig(level=logging.DEBUG, format="%(name)s: %(message)s")
     if getattr(args, "no_code", False):
         from grip_bt.app.project.foreign_code import forbid

@@ -10,8 +10,6 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any, TextIO
 
-import yaml
-
 from . import INVALID
 
 
@@ -46,6 +44,8 @@ def tell(as_json: bool, data: object, lines: Iterable[str] | None = None) -> Non
 
 def _yaml_of(data: object) -> str:
     """Return data in YAML, for people: numbers of six digits, and nothing of what is empty."""
+    import yaml  # the list of verbs does without
+
     plain = json.loads(json.dumps(data), parse_float=lambda word: float(f"{float(word):.6g}"))
     text = yaml.safe_dump(_filled(plain), default_flow_style=None, sort_keys=False, width=120, allow_unicode=True)
     return str(text).rstrip()
@@ -85,8 +85,8 @@ def counted(errors: int, warnings: int) -> str:
     return ", ".join(counts) or "ok"
 
 
-quiet = False
-"""Whether nothing is said of what is under way."""
+quiet = verbose = False
+"""Whether nothing is said of what is under way; whether it is said where an error was raised."""
 
 
 def progress(part: str, detail: str) -> None:

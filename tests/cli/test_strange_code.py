@@ -18,6 +18,7 @@ RUN = {
     "run",
     "demo",
     "bench",
+    "serve",
     "launch",
     "component",
     "import",

@@ -92,9 +92,13 @@ def tag_of(manifest: Manifest) -> str:
     return name if group in ("btcpp", "nav2") else manifest.id.replace("/", "__")
 
 
+_LONGEST = 4_294_967.0
+"""BehaviorTree.CPP counts milliseconds in 32 bits: 49 days [s]."""
+
+
 def milliseconds(part: Part, seconds: float) -> str:
-    """Return a time [s] in milliseconds. Raises NotExpressibleError: it isn't a whole number of them."""
-    milliseconds = round(seconds * 1000)
+    """Return a time [s] in milliseconds. Raises NotExpressibleError: it isn't a whole number of them, or too many."""
+    milliseconds = round(min(seconds, _LONGEST) * 1000)
     if milliseconds / 1000 != seconds:
         raise NotExpressibleError(part.path, f"{seconds} s, which isn't a whole number of milliseconds,", TARGET)
     return str(milliseconds)

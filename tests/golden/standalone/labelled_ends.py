@@ -339,19 +339,12 @@ class Parallel(Kind):
         return one if one in meanings else every if complete else None
 
     def _waited(self, ended, size):
-        match self.wait_for:
-            case _ if len(ended) == size:
-                return True
-            case None:
-                return True
-            case "all":
-                return False
-            case "any":
-                return bool(ended)
-            case int(number):
-                return len(ended) >= number
-            case names:
-                return set(names) <= ended
+        need = self.wait_for
+        if need is None or len(ended) == size:
+            return True
+        if isinstance(need, list):
+            return set(need) <= ended
+        return len(ended) >= (need if isinstance(need, int) else 1 if need == "any" else size)
 
     @property
     def _meanings(self):

@@ -28,6 +28,7 @@ export const GROUPS: Record<string, string> = {
   ros: "ROS topics, frames, parameters",
   btcpp: "BehaviorTree.CPP",
   nav2: "Nav2",
+  smach: "SMACH",
   tasks: "Tasks of the project",
 };
 

@@ -22,6 +22,7 @@ export const GROUP_SHAPES: Record<string, JSX.Element> = {
   ros: <path d="M3 3.500v.01M3 8v.01M3 12.500v.01M8 3.500v.01M8 8v.01M8 12.500v.01M13 3.500v.01M13 8v.01M13 12.500v.01" strokeWidth="3" strokeLinecap="round" />,
   btcpp: <path d="M6.5 2h3v3h-3zM2 11h3v3H2zM11 11h3v3h-3zM8 5v3M3.500 11V8h9v3" />,
   nav2: <path d="M8 1.500l5 12.500-5-3-5 3z" />,
+  smach: <path d="M5 5.500a2.500 2.500 0 1 1-.01 0zM11 10.500a2.500 2.500 0 1 1-.01 0zM7.500 5H11v5M8.500 13H5v-2.500" />,
 };
 
 /** A kind as the server draws it; a leaf by its group. */
