@@ -60,8 +60,15 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick }) => {
   await kindIs("short", "sequence");
   await fileIs("saved");
 
+  const still = async (what) => {
+    let before;
+    await eventually(async () => [before, (before = JSON.stringify(await what.boundingBox()))], ([then, now]) => then === now);
+  };
   // What an edge between children can mean is asked; the next time, the last answer stands first.
-  const draw = () => port("attempts", "failure").dragTo(box("machine").locator(".react-flow__handle-left"));
+  const draw = async () => {
+    await still(box("machine")); // a box that is being laid out anew is missed
+    await port("attempts", "failure").dragTo(box("machine").locator(".react-flow__handle-left"));
+  };
   const asked = page.getByRole("dialog", { name: "attempts.failure to machine?" });
   await draw();
   assert.match(await asked.getByRole("group").getByRole("button").first().textContent(), /fallback\(attempts, machine\)/);

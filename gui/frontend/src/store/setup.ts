@@ -47,6 +47,7 @@ export function isDirty(): boolean {
 /** Open a file; what isn't saved of another one is asked about. */
 export async function openSetup(path: string): Promise<void> {
   await changes;
+  await saving; // what is being saved needn't be asked about
   const { view } = useSetup.getState();
   if (view !== null && isDirty() && view.path !== path) {
     const options = [
@@ -112,13 +113,19 @@ export function renameValue(key: (string | number)[], name: string): Promise<voi
   return changed((view) => server.setupChange({ path: view.path, text: view.text, do: "rename", key, value: name }));
 }
 
+/** The answer to what was saved last. */
+let saving: Promise<unknown> = Promise.resolve();
+
 export async function saveSetup(over = false): Promise<boolean> {
   await changes;
   const { view, known } = useSetup.getState();
   if (view === null) return false;
   try {
-    const saved = await server.setupSave({ path: view.path, text: view.text, known, over });
-    useSetup.setState({ view: saved, saved: saved.text, known: saved.known });
+    const request = server.setupSave({ path: view.path, text: view.text, known, over }).then((saved) => {
+      useSetup.setState({ view: saved, saved: saved.text, known: saved.known });
+    });
+    saving = request.catch(() => undefined);
+    await request;
     await refreshed();
     return true;
   } catch (error) {
