@@ -70,7 +70,7 @@ class Sequencer:
 
     def submit(self, begin: Callable[[], Operation[T]]) -> Operation[T]:
         """Have `begin` called when it is its turn; cancelling before that ends it at once."""
-        turn, over = Operation[None](), Operation[None]()
+        turn, over = Operation[None](lambda: turn.fail(CanceledError("canceled before its turn"))), Operation[None]()
 
         def end() -> None:
             over.succeed(None)

@@ -88,7 +88,8 @@ def refuse_other_versions(database: sqlite3.Connection) -> None:
     """
     (version,) = database.execute("PRAGMA user_version").fetchone()
     if version not in (0, VERSION):
-        raise sqlite3.DatabaseError(f"it is of version {version}, this GRIP reads version {VERSION}")
+        advice = "move it away, and the next run begins a new one"
+        raise sqlite3.DatabaseError(f"it is of version {version}, this GRIP reads version {VERSION}: {advice}")
 
 
 _BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)

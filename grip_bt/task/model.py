@@ -18,9 +18,9 @@ from grip_bt.task.kinds.control import Control as Control
 from grip_bt.task.kinds.cooldown import Cooldown as Cooldown
 from grip_bt.task.kinds.for_each import ForEach as ForEach
 from grip_bt.task.kinds.force import Force as Force
-from grip_bt.task.kinds.force import Invert as Invert
 from grip_bt.task.kinds.foreign import Foreign as Foreign
 from grip_bt.task.kinds.guard import Guard as Guard
+from grip_bt.task.kinds.invert import Invert as Invert
 from grip_bt.task.kinds.loop import Loop as Loop
 from grip_bt.task.kinds.parallel import Parallel as Parallel
 from grip_bt.task.kinds.parallel import ParallelRule as ParallelRule

@@ -1,4 +1,4 @@
-"""Another end than the child's: one whatever it is, or its opposite."""
+"""Another end than the child's."""
 
 from __future__ import annotations
 
@@ -9,20 +9,6 @@ from pydantic import Field
 
 from grip_bt.task.kinds.base import Decorator, End, Ended, Questions, State, Step
 from grip_bt.task.parts import Meaning
-
-
-class Invert(Decorator):
-    """Success becomes failure and failure becomes success."""
-
-    rank: ClassVar[int] = 150
-    sign: ClassVar[str] = "!"
-    icon: ClassVar[str] = "M2 5.500h12M2 10.500h12M11 2L5 14"
-    keeps_codes: ClassVar[bool] = False
-    kind: Literal["invert"]
-
-    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
-        """End with the opposite; where it fails there is no reason, since the child succeeded."""
-        return End("failure" if end.meaning == "success" else "success")
 
 
 class Force(Decorator):
