@@ -70,7 +70,11 @@ class Sequencer:
 
     def submit(self, begin: Callable[[], Operation[T]]) -> Operation[T]:
         """Have `begin` called when it is its turn; cancelling before that ends it at once."""
-        turn, over = Operation[None](lambda: turn.fail(CanceledError("canceled before its turn"))), Operation[None]()
+
+        def leave() -> None:
+            turn.fail(CanceledError("canceled before its turn"))
+
+        turn, over = Operation[None](leave), Operation[None]()
 
         def end() -> None:
             over.succeed(None)
