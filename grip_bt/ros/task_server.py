@@ -20,6 +20,7 @@ from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.utilities import ok
+from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from grip_bt.base.errors import GripError
@@ -69,6 +70,7 @@ class TaskServer(LifecycleNode):
         super().__init__(name)
         self._tasks, self._active, self._lock = tasks, False, threading.Lock()
         self._running: RunningTask | None = None
+        self._cancelled = False
         self._told: dict[str, str] = {"state": "idle"}
         self._status_type, self._run_task = load_type("grip_msgs/msg/TaskStatus"), load_type("grip_msgs/action/RunTask")
         kept, group = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL), ReentrantCallbackGroup()
@@ -84,7 +86,7 @@ class TaskServer(LifecycleNode):
             "~/run_task",
             self._execute,
             goal_callback=self._accepts,
-            cancel_callback=lambda goal: CancelResponse.ACCEPT,
+            cancel_callback=self._cancels,
             callback_group=group,
         )
 
@@ -123,7 +125,7 @@ class TaskServer(LifecycleNode):
         with self._lock:
             busy = self._told["state"] not in _FREE
             if self._active and not busy:
-                self._told = {"task": goal.task, "state": "starting"}
+                self._told, self._cancelled = {"task": goal.task, "state": "starting"}, False
                 return GoalResponse.ACCEPT
         why = f"{self._told.get('task')} is running" if busy else "the node isn't active"
         self.get_logger().warning(f"{goal.task} is refused: {why}")
@@ -135,12 +137,9 @@ class TaskServer(LifecycleNode):
         try:
             order = Order(goal.task, _inputs(goal.inputs), goal.form or "bt", goal.robot, goal.seed)
             self._running = self._tasks.start(order, lambda event: self._hear(handle, event))
-            over = threading.Event()
-            threading.Thread(target=self._watch_cancel, args=(handle, over), daemon=True).start()
-            try:
-                end = dict(self._running.wait())
-            finally:
-                over.set()
+            if self._cancelled:  # while it was being started
+                self.stop()
+            end = dict(self._running.wait())
         except GripError as error:
             end = {"status": "error", "message": str(error)}
         self._running = None
@@ -157,11 +156,10 @@ class TaskServer(LifecycleNode):
         self._tell(state=result.status, message=result.message)
         return result
 
-    def _watch_cancel(self, handle: Any, over: threading.Event) -> None:
-        while not over.wait(0.05):
-            if handle.is_cancel_requested:
-                self.stop()
-                return
+    def _cancels(self, handle: Any) -> CancelResponse:
+        self._cancelled = True
+        self.stop()
+        return CancelResponse.ACCEPT
 
     def _hear(self, handle: Any, event: Mapping[str, Any]) -> None:
         match event:
@@ -202,14 +200,12 @@ class TaskServer(LifecycleNode):
         level = DiagnosticStatus.ERROR if told["state"] in ("error", "died") else DiagnosticStatus.OK
         values = [KeyValue(key=name, value=value) for name, value in told.items()]
         status = DiagnosticStatus(level=level, name=f"{self.get_name()}: task", message=told["state"], values=values)
-        self._diagnostics.publish(DiagnosticArray(header=_now(self), status=[status]))
+        self._diagnostics.publish(
+            DiagnosticArray(header=Header(stamp=self.get_clock().now().to_msg()), status=[status])
+        )
 
 
 _FREE = ("idle", "success", "failure", "error", "stopped", "died")
-
-
-def _now(node: LifecycleNode) -> Any:
-    return DiagnosticArray().header.__class__(stamp=node.get_clock().now().to_msg())
 
 
 def _inputs(text: str) -> Mapping[str, Any]:

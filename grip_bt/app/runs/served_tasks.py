@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
@@ -12,11 +12,9 @@ from grip_bt.app.runs.execute import RunOptions, Target
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.app.wiring.parts import RobotKind
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
-from grip_bt.ros.task_server import Order, RunningTask
+from grip_bt.ros.task_server import Order, RunningTask, Told
 from grip_bt.runtime import JournalReader
 from grip_bt.task import load
-
-Told = Callable[[Mapping[str, Any]], None]
 
 
 @dataclass(frozen=True)
