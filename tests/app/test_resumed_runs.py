@@ -12,10 +12,13 @@ import subprocess
 import sys
 import time
 from contextlib import closing
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
+from grip_bt.app.runs import execute
+from grip_bt.app.runs.execute import RunOptions
 from grip_bt.app.runs.replay import find_run
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import JournalReader
@@ -143,6 +146,11 @@ def _blocks(journal: Path) -> int:
             return int(count)
     except sqlite3.Error:
         return 0
+
+
+def test_whatever_makes_a_run_go_otherwise_is_recorded_for_resuming_it() -> None:
+    shown = {"picture", "video", "view", "breaks", "paused", "journal", "durable", "resume"}
+    assert {field.name for field in fields(RunOptions)} - shown == execute._RECORDED
 
 
 @pytest.mark.slow
