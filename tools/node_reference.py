@@ -6,8 +6,12 @@ the manifests.
 
 from __future__ import annotations
 
+import re
 import sys
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
 from grip_bt.task.catalog import Catalog, Manifest
@@ -15,14 +19,45 @@ from grip_bt.task.catalog.ros_config import sensor_manifest
 
 _HEAD = """# Nodes
 
-Every leaf that comes with GRIP: its parameters (`with:`), inputs (`in:`), outputs (`out:`), outcomes, and the codes
-with which it may fail (`on: {failure.<code>: ...}`). Made from `grip_bt/task/catalog/builtin/*.yaml` by
-`python tools/node_reference.py docs/nodes.md`; don't edit it by hand.
+Every leaf that comes with GRIP. A project adds `sensor/NAME` for each sensor, `component/NAME` for each component,
+and [its own](own_nodes.md). `with` are parameters, written in the task; `in` and `out` are bound to variables. What
+has no default and isn't optional has to be given.
 
-A project adds `sensor/<name>` for each of its sensors, `component/<name>` for each of its components, and its own
-nodes. Leaves that move something fail with `canceled` when somebody else stopped the motion, and with `preempted` when
-the task was asked to end while it was under way.
+Unless more is said, a node ends with `success`, or with `failure` where codes are listed
+(`on: {failure.CODE: ...}`). What moves or plans also fails with `canceled` when somebody else stopped it, and with
+`preempted` when the task was asked to end.
 """
+EXAMPLES = {
+    "arm": "{node: arm/move_to, with: {arm: right, state: home}}",
+    "btcpp": "{node: btcpp/WasEntryUpdated, in: {entry: goal}}",
+    "flow": "{node: flow/compute, with: {expression: a + 1}, in: {a: tries}, out: {value: tries}}",
+    "grasp": "{node: grasp/choose, in: {grasps: grasps, tried: tried}, out: {grasp: grasp}}",
+    "hand": "{node: hand/close, with: {force: 5}, in: {grasp: grasp}}",
+    "messages": "{node: messages/get, with: {store: poses, name: above_bin}, out: {value: pose}}",
+    "nav2": "{node: nav2/RateController, with: {hz: 2}}",
+    "perception": "{node: perception/image_difference, in: {before: before, after: after, grasp: grasp}}",
+    "pose": "{node: pose/offset, with: {position: [0, 0, 0.1]}, in: {pose: pose}, out: {moved: above}}",
+    "ros": "{node: ros/publish, with: {topic: /light, type: std_msgs/msg/Bool}, in: {value: lit}}",
+    "scene": "{node: scene/update_from_cloud, in: {cloud: cloud}, out: {count: seen}}",
+    "sensor": "{node: sensor/NAME, out: {points: cloud}}",
+    "smach": "{node: smach/next_item, with: {items: [1, 2]}, in: {position: k}, out: {position: k, item: item}}",
+}
+"""One node of each group, as a task has it."""
+_SHARED = 2
+"""From so many nodes of a group on, a port is explained once."""
+_SIDES = ("with", "in", "out")
+_EVERYWHERE = ("canceled", "preempted")
+_BOUND = "in place of the parameter"
+
+
+@dataclass(frozen=True)
+class _Port:
+    """One line of a node's table."""
+
+    side: str
+    name: str
+    type: str
+    doc: str
 
 
 def reference(manifests: Iterable[Manifest]) -> str:
@@ -30,11 +65,7 @@ def reference(manifests: Iterable[Manifest]) -> str:
     groups: dict[str, list[Manifest]] = {}
     for manifest in manifests:
         groups.setdefault(manifest.id.split("/")[0], []).append(manifest)
-    parts = [_HEAD]
-    for group in sorted(groups):
-        parts.append(f"\n## {group}\n")
-        parts.extend(_node(manifest) for manifest in sorted(groups[group], key=lambda m: m.id))
-    return "".join(parts)
+    return _HEAD + "".join(_group(name, sorted(groups[name], key=lambda m: m.id)) for name in sorted(groups))
 
 
 def builtin_reference() -> str:
@@ -42,36 +73,77 @@ def builtin_reference() -> str:
     return reference([*Catalog.builtin(), sensor_manifest("NAME")])
 
 
-def _node(manifest: Manifest) -> str:
-    lines = [f"\n### {manifest.id}\n", manifest.doc, ""]
-    rows = [
-        *(
-            ("parameter", name, p.type, _default(p.required, p.default), p.doc)
-            for name, p in manifest.parameters.items()
-        ),
-        *(("input", name, i.type, "" if i.required else "optional", i.doc) for name, i in manifest.inputs.items()),
-        *(
-            ("output", name, o.type, f"on {', '.join(o.on)}" if o.on else "", o.doc)
-            for name, o in manifest.outputs.items()
-        ),
+def _group(name: str, manifests: Sequence[Manifest]) -> str:
+    counted = Counter(port for manifest in manifests for port in set(_ports(manifest)))
+    shared = [port for port, many in counted.items() if many >= _SHARED]
+    shared.sort(key=lambda port: (_SIDES.index(port.side), port.name))
+    usual, many = Counter(_ends(manifest) for manifest in manifests).most_common(1)[0]
+    usual = usual if many > len(manifests) / 2 else ()
+    parts = [f"\n## {name}\n\n```yaml\n{EXAMPLES[name]}\n```\n"]
+    if usual:
+        parts.append(f"\nUnless more is said, {name} nodes also end with {', '.join(usual)}.\n")
+    if shared:
+        parts.append(f"\nPorts that mean the same wherever they are named:\n{_table(shared)}")
+    for _, alike in groupby(manifests, key=lambda m: (m.doc, tuple(_ports(m)), tuple(m.outcomes.items()))):
+        parts.append(_node(list(alike), shared, usual))
+    return "".join(parts)
+
+
+def _node(alike: Sequence[Manifest], shared: Sequence[_Port], usual: tuple[str, ...]) -> str:
+    """Return the section of nodes that differ by their names only."""
+    manifest, ports = alike[0], list(_ports(alike[0]))
+    own = [port for port in ports if port not in shared]
+    known = {
+        side: ", ".join(f"`{port.name}`" for port in ports if port in shared and port.side == side) for side in _SIDES
+    }
+    ends = _ends(manifest)
+    codes = [f"`{code}`" for code in manifest.codes if code not in _EVERYWHERE]
+    lines = [
+        *(f"{side.capitalize()} {names}." for side, names in known.items() if names),
+        *([f"Also ends with {', '.join(ends)}."] if ends and ends != usual else []),
+        *(["Has no other outcome."] if usual and not ends else []),
+        *(["Always fails."] if "success" not in manifest.outcomes else []),
+        *([f"Codes: {', '.join(codes)}."] if codes else []),
     ]
-    if rows:
-        lines += ["| | name | type | | |", "|---|---|---|---|---|"]
-        lines += [
-            f"| {what} | `{name}` | `{_cell(type_)}` | {note} | {_cell(doc)} |" for what, name, type_, note, doc in rows
-        ]
-        lines.append("")
-    outcomes = ", ".join(
-        f"`{label}`" + ("" if label == means else f" ({means})") for label, means in manifest.outcomes.items()
+    title = ", ".join([manifest.id, *(each.id.split("/")[1] for each in alike[1:])])
+    tail = f"\n{' '.join(lines)}\n" if lines else ""
+    return f"\n### {title}\n\n{manifest.doc}\n{_table(own) if own else ''}{tail}"
+
+
+def _ends(manifest: Manifest) -> tuple[str, ...]:
+    """Return the outcomes of a node besides success and failure, each with what it means."""
+    return tuple(
+        f"`{label}`" + ("" if label == means else f" ({means})")
+        for label, means in manifest.outcomes.items()
+        if label not in ("success", "failure")
     )
-    lines.append(f"Outcomes: {outcomes}.")
-    if manifest.codes:
-        lines[-1] += f" Codes: {', '.join(f'`{code}`' for code in manifest.codes)}."
-    return "\n".join(lines) + "\n"
 
 
-def _default(required: bool, value: object) -> str:
-    return "required" if required else f"default `{value!r}`"
+def _ports(manifest: Manifest) -> Iterator[_Port]:
+    """Yield what a node's table says; an input that stands for a parameter is said with that."""
+    for name, p in manifest.parameters.items():
+        bound = name in manifest.inputs and manifest.inputs[name].doc == _BOUND
+        type_ = f"`{p.type}`" if p.required else f"`{p.type} = {p.default!r}`"
+        yield _Port("with", name, type_ + (" or bound" if bound else ""), p.doc)
+    for name, i in manifest.inputs.items():
+        if i.doc != _BOUND:
+            yield _Port("in", name, f"`{i.type}`" + ("" if i.required else " optional"), i.doc)
+    for name, o in manifest.outputs.items():
+        also = [label for label in o.on if label not in ("success", "failure", "skipped")]
+        yield _Port("out", name, f"`{o.type}`" + (f" also on {', '.join(also)}" if also else ""), o.doc)
+
+
+def _table(ports: Sequence[_Port]) -> str:
+    """Return the ports as a table; numbered or lettered ones that are alike share a line."""
+    rows, side = ["", "| | | | |", "|---|---|---|---|"], ""
+    for _, alike in groupby(ports, key=lambda p: (p.side, re.sub(r"^[a-h]$|_\d$", "", p.name), p.type)):
+        first, *rest = alike
+        name = f"`{first.name}`" + (f" … `{rest[-1].name}`" if rest else "")
+        rows.append(
+            f"| {first.side if first.side != side else ''} | {name} | {_cell(first.type)} | {_cell(first.doc)} |"
+        )
+        side = first.side
+    return "\n".join(rows) + "\n"
 
 
 def _cell(text: str) -> str:

@@ -13,7 +13,8 @@ from grip_bt.cli.shell import make_parser
 from grip_bt.runtime.control import COMMANDS
 from grip_bt.runtime.debugger import STEPS
 
-PAGE = (Path(__file__).parents[2] / "docs" / "running.md").read_text()
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "running.md").read_text()
 
 
 def test_every_option_and_only_those_are_in_the_usage(capsys) -> None:
@@ -27,7 +28,8 @@ def test_every_option_and_only_those_are_in_the_usage(capsys) -> None:
 
 
 def test_every_command_of_the_protocol_is_in_its_table() -> None:
-    rows = [line.split("|")[1] for line in PAGE.split("## The control protocol")[1].splitlines() if line[:3] == "| `"]
+    table = (DOCS / "protocols.md").read_text().split("## The control protocol")[1].split("\n## ")[0]
+    rows = [line.split("|")[1] for line in table.splitlines() if line[:3] == "| `"]
     named = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
     assert set(COMMANDS) <= named
     events = {

@@ -7,6 +7,7 @@ from pathlib import Path
 from runpy import run_path
 
 import pytest
+import yaml
 
 from grip_bt.base.types import check_value, parse_type
 from grip_bt.nodes import Leaf, OperationLeaf
@@ -106,3 +107,17 @@ def test_the_reference_page_is_as_new_as_the_manifests():
     page = (ROOT / "docs/nodes.md").read_text(encoding="utf-8")
     made = run_path(str(ROOT / "tools" / "node_reference.py"))["builtin_reference"]()
     assert page == made, "run: python tools/node_reference.py docs/nodes.md"
+
+
+def test_its_example_of_each_group_fits_the_manifests():
+    known = {m.id: m for m in (*MANIFESTS, sensor_manifest("NAME"))}
+    examples = run_path(str(ROOT / "tools" / "node_reference.py"))["EXAMPLES"]
+    assert set(examples) == {id.split("/")[0] for id in known}
+    for group, text in examples.items():
+        node = yaml.safe_load(text)
+        manifest = known[node["node"]]
+        assert manifest.id.startswith(f"{group}/")
+        assert set(node.get("with", {})) <= set(manifest.parameters), text
+        assert {name for name, port in manifest.inputs.items() if port.required} <= set(node.get("in", {})), text
+        assert set(node.get("in", {})) <= set(manifest.inputs), text
+        assert set(node.get("out", {})) <= set(manifest.outputs), text

@@ -18,7 +18,7 @@ from grip_bt.commanders.scene import PlanningScene
 from grip_bt.runtime import JournalReader
 
 ROOT = Path(__file__).parents[3]
-PAGE = (ROOT / "docs" / "first_grip.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "compatibility.md").read_text(encoding="utf-8")
 ROW = re.compile(r"^\| (B\d+(?:, B\d+)*) \| .+ \| (.+) \|$", re.MULTILINE)
 OURS = {*range(1, 6), 8, 9, *range(10, 19), *range(25, 28), 33, 35, 38, 41, 42, 43, 44}
 
