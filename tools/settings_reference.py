@@ -126,9 +126,9 @@ _HEAD = """# {title}
 
 {about}
 
-A wrong file is told of with line, column and what is allowed. Made from the models that read these files by
-`python tools/settings_reference.py docs`; don't edit it by hand. `name → X` is a mapping with an X for each name; a key
-without a default and not required is left out where it isn't needed.
+`grip: 1` (or `campaign: 1`) is the version of the format and is required; `doc`, a sentence for people, may stand
+almost anywhere. `name → X` is a mapping with an X for each name; a key without a default and not required is left out
+where it isn't needed.
 """
 _TITLES: Mapping[Mapped, str] = {
     Mount: "Sensor mount",
@@ -137,7 +137,8 @@ _TITLES: Mapping[Mapped, str] = {
     PortType: "Port",
     RosRobotConfig: "ROS robot",
 }
-_COMMON = {"grip": "Version of the format.", "campaign": "Version of the format.", "doc": "A sentence for people."}
+_COMMON = ("grip", "campaign", "doc")
+"""Keys that the head of each page tells of."""
 _PATTERNS = {
     r"^[a-z][a-z0-9_]*$": "name in lower case",
     r"^[A-Za-z_][A-Za-z0-9_]*$": "name",
@@ -146,7 +147,7 @@ _PATTERNS = {
     r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*$": "path of fields",
     get_args(CodePath)[1].pattern: "import path",
 }
-_PLURALS = re.compile(r"^(whole number|number|text|name|ROS name|import path)(?= |$)")
+_PLURALS = re.compile(r"^(integer|number|text|name|ROS name|import path)(?= |$)")
 _UNIT = re.compile(r" ?\[([^\]`]+)\](?!\()")
 
 
@@ -191,20 +192,32 @@ class _Reference:
         return f"\n{self.words(annotation)}: {_told(model)}\n"
 
     def _table(self, model: Mapped) -> str:
-        attributes = _attributes(model)
-        rows = [["key", "type", "default", "unit", "meaning"], ["---"] * 5]
+        rows, also = self._rows(model), ""
+        for base in model.__mro__[1:]:  # what it has of another mapping is told there
+            known = self._rows(base) if base in self._home else []
+            if sum(row in known for row in rows) > 1:
+                also = f"\nAlso the keys of {self.words(base)}.\n"
+                rows = [row for row in rows if row not in known]
+        rows = [["key", "type", "default", "unit", "meaning"], ["---"] * 5, *rows]
+        if not any(row[3] for row in rows[2:]):
+            rows = [row[:3] + row[4:] for row in rows]
+        return "".join(f"\n| {' | '.join(row)} |" for row in rows) + f"\n{also}"
+
+    def _rows(self, model: Mapped) -> list[list[str]]:
+        """Return what is told of each key: itself, its type, default, unit and meaning."""
+        attributes, rows = _attributes(model), []
         for key, field in _keys(model):
+            if key in _COMMON:
+                continue
             parts = [part for part, _ in _parts(field.annotation)]
-            doc = field.description or attributes.get(key) or _COMMON.get(key) or (_told(parts[0]) if parts else "")
+            doc = field.description or attributes.get(key) or (_told(parts[0]) if parts else "")
             if not doc:
                 raise ValueError(f"{model.__name__}.{key} has no docstring")
             unit, meaning = _unit(_flat(doc))
             type_ = self.words(_written(_ways(model, key, field), field.annotation), field.metadata)
             default = "required" if field.is_required() else _shown(field.get_default(call_default_factory=True))
             rows.append([f"`{key}`", type_, default, unit, meaning.replace("|", r"\|")])
-        if not any(row[3] for row in rows[2:]):
-            rows = [row[:3] + row[4:] for row in rows]
-        return "".join(f"\n| {' | '.join(row)} |" for row in rows) + "\n"
+        return rows
 
     def words(self, annotation: Any, metadata: Iterable[Any] = ()) -> str:
         """Return a type in plain words, with what its metadata demand."""
@@ -213,9 +226,7 @@ class _Reference:
             return self.words(_written(inner[1:], inner[0]), (*metadata, *inner[1:]))
         if origin in (Union, UnionType):
             options = [self.words(each, metadata) for each in inner if each is not type(None)]
-            return _any_of(
-                [each for each in dict.fromkeys(options) if each != "whole number" or "number" not in options]
-            )
+            return _any_of([each for each in dict.fromkeys(options) if each != "integer" or "number" not in options])
         if origin is Literal:
             return _any_of([f"`{value}`" if value != "" else "empty" for value in inner])
         if isinstance(origin, type) and issubclass(origin, Mapping):
@@ -229,7 +240,7 @@ class _Reference:
         if annotation is bool:
             return "`true`/`false`"
         if annotation in (int, float):
-            return ("number" if annotation is float else "whole number") + _range(metadata)
+            return ("number" if annotation is float else "integer") + _range(metadata)
         if annotation is ByteSize:
             return "size"
         if annotation is str:

@@ -16,7 +16,9 @@ from grip_bt.task.catalog.component_file import ProcessConfig, Start
 from grip_bt.task.catalog.ros_config import ControllerConfig
 
 DOCS = Path(__file__).parents[2] / "docs"
-LAUNCHING, MESSAGES_PAGE = ((DOCS / f"{name}.md").read_text() for name in ("launching", "messages"))
+LAUNCHING, MESSAGES_PAGE, PROJECT = (
+    (DOCS / f"{name}.md").read_text() for name in ("launching", "messages", "project_file")
+)
 
 
 def fences(text: str, language: str) -> list[str]:
@@ -32,7 +34,7 @@ def test_projects_of_the_page_can_be_read(tmp_path, text):
 
 def test_every_key_of_a_process_and_of_a_controller_is_told():
     keys = set(ProcessConfig.model_fields) | set(Start.model_fields) | set(ControllerConfig.model_fields)
-    assert {key for key in keys - {"doc"} if f"`{key}`" not in LAUNCHING} == set()
+    assert {key for key in keys - {"doc"} if f"`{key}`" not in PROJECT} == set()
 
 
 def test_every_element_and_substitution_that_is_understood_is_told():
