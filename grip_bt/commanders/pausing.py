@@ -91,8 +91,8 @@ def _fading(rest: Trajectory, aside: Array, within: float) -> Trajectory:
 class _Motion(Generic[J]):
     """One motion, in as many parts as it takes."""
 
-    def __init__(self, job: J):
-        self.job = job
+    def __init__(self, job: J, do: Callable[[J], Operation[JointState]]):
+        self.job, self.do = job, do
         self.part: Operation[JointState] | None = None
         self.held = self.parted = False
         self.began = self.passed = 0.0
@@ -100,7 +100,7 @@ class _Motion(Generic[J]):
 
 
 class _InParts(Generic[J]):
-    """One motion at a time, done in parts: `do` begins a part, `rest` is what is left of a job after so long [s]."""
+    """One motion at a time, done in parts: `do` does one, `rest` is what is left of a job after so long [s]."""
 
     def __init__(
         self,
@@ -122,10 +122,10 @@ class _InParts(Generic[J]):
     def state(self) -> JointState:
         return self._port.state()
 
-    def _begin(self, job: J) -> Operation[JointState]:
-        """Begin a motion; one under way is cancelled. In a pause it waits for the end of that."""
+    def _begin(self, job: J, do: Callable[[J], Operation[JointState]] | None = None) -> Operation[JointState]:
+        """Begin a motion, by `do`; one under way is cancelled. In a pause it waits for the end of that."""
         self._whole.cancel()
-        motion = _Motion(job)
+        motion = _Motion(job, do or self._do)
         with self._lock:
             self._motion = motion
         self._whole = whole = run_steps(self._parts(motion))
@@ -162,8 +162,8 @@ class _InParts(Generic[J]):
                 motion.goes_on = Operation() if self._paused else Operation.finished(None)
             yield motion.goes_on
             if motion.parted:
-                motion.job = self._rest(motion.job, motion.passed)
-            part = self._do(motion.job)
+                motion.job, motion.do = self._rest(motion.job, motion.passed), self._do
+            part = motion.do(motion.job)
             with self._lock:
                 motion.part, motion.began, motion.held = part, self._now(), False
                 paused = self._paused
@@ -209,14 +209,17 @@ class PausableExecutor(_InParts[Trajectory]):
     ):
         super().__init__(executor, executor.execute, self._left, now)
         self._accelerations, self._jerks = accelerations or {}, jerks or {}
-        self._steered = executor if isinstance(executor, Steerable) and executor.steerable else None
+        self._steered = executor if isinstance(executor, Steerable) else None
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         return self._begin(trajectory)
 
+    def execute_steered(self, trajectory: Trajectory) -> Operation[JointState]:
+        return self._begin(trajectory, None if self._steered is None else self._steered.execute_steered)
+
     @property
     def steerable(self) -> bool:
-        return self._steered is not None
+        return self._steered is not None and self._steered.steerable
 
     def passed(self) -> float | None:
         with self._lock:

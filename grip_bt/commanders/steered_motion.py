@@ -36,7 +36,6 @@ class SteeredMotion:
 
     def __init__(self, executor: Executor, plan_step: PlanStep):
         self._executor, self._plan_step = executor, plan_step
-        self._steerable = executor if isinstance(executor, Steerable) and executor.steerable else None
         self._lock = threading.Lock()
         self._run: _Run | None = None
 
@@ -53,7 +52,7 @@ class SteeredMotion:
             run = self._run
             fresh = run is None or run.whole.done()
             if run is None or fresh:
-                run = self._run = _Run(self._executor, self._steerable, self._plan_step, twist_at)
+                run = self._run = _Run(self._executor, self._plan_step, twist_at)
         if not fresh:
             run.go_on(twist_at)
         return run.whole
@@ -62,14 +61,9 @@ class SteeredMotion:
 class _Run:
     """One motion from rest to rest."""
 
-    def __init__(
-        self,
-        executor: Executor,
-        steerable: Steerable | None,
-        plan_step: PlanStep,
-        twist_at: Callable[[JointState], Twist],
-    ):
-        self._executor, self._steerable, self._plan_step = executor, steerable, plan_step
+    def __init__(self, executor: Executor, plan_step: PlanStep, twist_at: Callable[[JointState], Twist]):
+        self._executor, self._plan_step = executor, plan_step
+        self._steerable = executor if isinstance(executor, Steerable) and executor.steerable else None
         self._lock, self._planning = threading.Lock(), False
         self._last: tuple[Trajectory, float] | None = None
         self._error: BaseException | None = None
@@ -81,7 +75,8 @@ class _Run:
         start = replace(start, velocity=np.zeros(len(start.names)))
         step: Trajectory = yield self._plan_step(start, twist_at(start), HOLD if self._steerable else STEP)
         self._last = step, 0.0
-        measured: JointState = yield self._executor.execute(step)
+        execute = self._steerable.execute_steered if self._steerable else self._executor.execute
+        measured: JointState = yield execute(step)
         if self._error is not None:
             raise self._error
         return measured

@@ -57,6 +57,8 @@ class SimExecutor(_Joints):
         """See the port. Raises ValueError where it isn't for these joints, or holds what isn't a number."""
         return _measured(self._client.move("follow", self._arrays(trajectory), names=list(self._names)))
 
+    execute_steered = execute
+
     def passed(self) -> float | None:
         return self._client.ask("passed", names=list(self._names)).fields["passed"]
 

@@ -45,7 +45,7 @@ root:
 def motions(monkeypatch):
     """What the executor was asked: the motions that began from rest, and those that were gone on with."""
     begun, amended = [], []
-    execute, amend = SimExecutor.execute, SimExecutor.amend
+    execute, amend = SimExecutor.execute_steered, SimExecutor.amend
 
     def noted(self, trajectory):
         begun.append(trajectory)
@@ -56,7 +56,7 @@ def motions(monkeypatch):
         amended.append(done)
         return done
 
-    monkeypatch.setattr(SimExecutor, "execute", noted)
+    monkeypatch.setattr(SimExecutor, "execute_steered", noted)
     monkeypatch.setattr(SimExecutor, "amend", gone_on)
     return begun, amended
 

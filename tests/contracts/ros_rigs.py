@@ -54,6 +54,7 @@ def trajectory_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
 
     bus, states = ros_robot
     executor = TrajectoryExecutor(bus, "/arm/follow_joint_trajectory", NAMES, states, wait=PATIENCE)
+    until(lambda: executor.steerable, "the topic isn't heard")
     yield spoilt(_rig(executor, THEIRS), 4.0)
 
 

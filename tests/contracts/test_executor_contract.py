@@ -139,7 +139,7 @@ def steered(executor_rig):
 
 def under_way(rig, motion):
     """Begin a motion, and return it when it is followed; that takes a moment where the controller is elsewhere."""
-    operation = rig.port.execute(motion)
+    operation = rig.port.execute_steered(motion)
     while not rig.port.passed():
         assert not operation.done()
         rig.let_pass(0.05)

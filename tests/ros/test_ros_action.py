@@ -262,7 +262,7 @@ def test_the_end_of_an_interpreter_cancels_what_runs(domain, act, trial, bus):
         "bus = module.Bus('leaves')\n"
         "client = bus.action('trial_interfaces/action/Work', '/work')\n"
         "goal = Work.Goal(input='finish', seconds=600.0)\n"
-        f"client.send(goal, 1000.0, {PATIENCE}, on_accepted=taken.set)\n"
+        f"client.send(goal, 1000.0, {PATIENCE}, on_feedback=lambda told: taken.set())\n"
         f"assert taken.wait({PATIENCE}); sys.exit(3)\n"
     )
     from grip_bt.ros.process import child_environment

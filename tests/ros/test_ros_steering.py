@@ -1,4 +1,4 @@
-"""Motions that are changed while a controller follows them: how even they are, and controllers that don't take it."""
+"""Motions that are changed while a controller follows them, and controllers that know no such thing."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import ended
 
+from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Steerable
-from grip_bt.commanders.steered_motion import SteeredMotion, velocity_of
+from grip_bt.commanders.steered_motion import STEP, SteeredMotion, velocity_of
 from grip_bt.commanders.steering import steered
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
@@ -44,7 +45,7 @@ def plan_step(start, twist, hold):
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("kind", ["trajectory", "stream"])
 def test_a_steered_motion_goes_on_and_ends_soon_after_the_last_word(bus, states, kind, monkeypatch):
-    """With steps of a second, so that a busy machine changes them in time too. How even it is: `test_late_changes`."""
+    """With steps of a second, so that a busy machine changes them in time too."""
     from grip_bt.ros.controllers import StreamedExecutor, TrajectoryExecutor
 
     if kind == "trajectory":
@@ -52,6 +53,7 @@ def test_a_steered_motion_goes_on_and_ends_soon_after_the_last_word(bus, states,
     else:
         executor = StreamedExecutor(bus, "/stream/commands", NAMES, states)
     assert isinstance(executor, Steerable)
+    until(lambda: executor.steerable, "the topic isn't heard")
     monkeypatch.setattr("grip_bt.commanders.steered_motion.HOLD", HOLD)
     stream, amended, begin, longest = SteeredMotion(executor, plan_step), [], states.state(NAMES).position, 0
     amend, deadline = executor.amend, time.monotonic() + 5 * PATIENCE
@@ -74,22 +76,33 @@ def test_a_steered_motion_goes_on_and_ends_soon_after_the_last_word(bus, states,
     assert measured[0] - where[0] > longest * HOLD * SPEED[0] * 0.9
 
 
-def test_a_controller_that_refuses_to_change_ends_its_motion_and_is_not_asked_again(bus, states):
+def test_a_controller_without_a_topic_rests_after_each_step(bus, states):
     from grip_bt.ros.controllers import TrajectoryExecutor
 
-    executor = TrajectoryExecutor(bus, "/stubborn/follow_joint_trajectory", NAMES, states, wait=PATIENCE)
-    begin = states.state(NAMES)
-    first = partial(steered, NAMES, velocity=np.zeros(2), wanted=lambda q: SPEED, acceleration=np.full(2, 2.0))
-    step = first(position=begin.position, hold=14.0)  # the change comes long before its end
-    operation = executor.execute(step)
-    until(executor.passed, "the motion doesn't begin")
-    row = round(5.0 / 0.02)
-    tail = steered(NAMES, step.positions[row], step.velocities[row], lambda q: SPEED, np.full(2, 2.0), 20.0)
-    assert executor.amend(tail, 5.0)
-    assert ended(operation).position == pytest.approx(step.positions[-1], abs=1e-3)
+    executor = TrajectoryExecutor(bus, "/untopical/follow_joint_trajectory", NAMES, states, wait=PATIENCE)
+    stream, begin = SteeredMotion(executor, plan_step), states.state(NAMES).position
+    assert not executor.steerable
+    for _ in range(2):
+        ended(stream.steer(lambda _: ((*SPEED, 0), (0, 0, 0))))
     assert executor.passed() is None
-    again = first(position=states.state(NAMES).position, hold=0.2)
-    operation = executor.execute(again)
+    assert (states.state(NAMES).position - begin)[0] > 1.8 * STEP * SPEED[0]
+
+
+def test_a_goal_and_a_steered_motion_take_the_place_of_each_other(bus, states):
+    from grip_bt.ros.controllers import TrajectoryExecutor
+
+    executor = TrajectoryExecutor(bus, "/arm/follow_joint_trajectory", NAMES, states, wait=PATIENCE)
+    until(lambda: executor.steerable, "the topic isn't heard")
+    away = partial(steered, NAMES, velocity=np.zeros(2), wanted=lambda q: SPEED, acceleration=np.full(2, 2.0))
+    begin = states.state(NAMES).position
+    first = executor.execute(away(position=begin, hold=100.0))
+    until(lambda: states.state(NAMES).position[0] > begin[0] + 0.005, "the goal isn't followed")
+    second = executor.execute_steered(away(position=states.state(NAMES).position, hold=100.0))
+    until(executor.passed, "the steered motion doesn't begin")
+    with pytest.raises(CanceledError):
+        ended(first)
+    third = executor.execute(away(position=states.state(NAMES).position, hold=0.5))
+    with pytest.raises(CanceledError):
+        ended(second)
+    assert ended(third).position == pytest.approx(states.state(NAMES).position, abs=1e-3)
     assert executor.passed() is None
-    assert not executor.amend(tail, 0.2)
-    assert ended(operation).position == pytest.approx(again.positions[-1], abs=1e-3)

@@ -155,7 +155,8 @@ class _Controllers:
         """Return what moves the joints of an arm, or of a hand over a controller that follows trajectories."""
         controller, ready = self.settings.controllers[name], self.settings.ready
         if controller.trajectory is not None:
-            return TrajectoryExecutor(self.bus, controller.trajectory, joints, self.states, wait=ready)
+            action = controller.trajectory
+            return TrajectoryExecutor(self.bus, action, joints, self.states, self.limits, self.jerks, ready)
         if controller.topic is not None:
             return TopicExecutor(self.bus, controller.topic, joints, self.states, self.limits, self.jerks)
         if controller.move_group is not None:

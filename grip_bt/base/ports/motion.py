@@ -38,17 +38,20 @@ class Executor(Protocol):
 
 @runtime_checkable
 class Steerable(Protocol):
-    """An executor whose motion can be changed while it is under way."""
+    """An executor of which a motion can be changed while it is under way."""
 
     @property
     def steerable(self) -> bool:
         """Whether it can; what hands on to others tells it of those."""
 
+    def execute_steered(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Begin a motion that can be changed by `amend`; else as `Executor.execute`."""
+
     def passed(self) -> float | None:
-        """Return for how long the motion under way has been followed [s]; None when nothing moves."""
+        """Return for how long the steered motion under way has been followed [s]; None when there is none."""
 
     def amend(self, tail: Trajectory, at: float) -> bool:
-        """Go on with `tail` from `at` seconds after the beginning of the motion under way.
+        """Go on with `tail` from `at` seconds after the beginning of the steered motion under way.
 
         The operation of the motion ends when the tail does. Returns False, and changes nothing, when that moment is
         over or nothing moves.

@@ -166,6 +166,8 @@ class FakeExecutor:
         self._finish_after(motion)
         return operation
 
+    execute_steered = execute
+
     def stop(self) -> None:
         if self._motion is not None:
             self._brake(self._motion)

@@ -44,7 +44,6 @@ class _Entry(Request):
     machine: Goal = field(init=False)  # when it is sent
     cancel_within: float = CANCEL
     on_feedback: Callable[[Message], None] | None = None
-    on_accepted: Callable[[], None] | None = None
     watchdog: Watchdog | None = None
     goal_id: bytes = b""  # when it is sent
     status: int = 0  # what the server last published of it, 0 when nothing
@@ -82,7 +81,6 @@ class ActionClient(ServedClient[_Entry]):
         wait: float | None = None,
         on_feedback: Callable[[Message], None] | None = None,
         cancel_within: float = CANCEL,
-        on_accepted: Callable[[], None] | None = None,
         moves: bool = True,
         limit: str = "",
     ) -> Operation[GoalEnd]:
@@ -99,12 +97,11 @@ class ActionClient(ServedClient[_Entry]):
             on_feedback: called on the bus's thread with each feedback message; the last one is the operation's
                 `progress`. What a server sends just before the result is often lost.
             cancel_within: how long the server may take to end the goal after a cancel [s].
-            on_accepted: called on the bus's thread when the server has answered that it takes the goal.
             moves: whether it may move something; then the bus's watchdog, where there is one, ends it after our death.
             limit: who limits the time, in words behind those of a time-out.
         """
         entry = _Entry(goal, *self._times(timeout, wait), limit, cancel_within=cancel_within)
-        entry.on_feedback, entry.on_accepted = on_feedback, on_accepted
+        entry.on_feedback = on_feedback
         entry.watchdog = self._bus.watchdog if moves else None
         return self._begin(entry)
 
@@ -226,8 +223,6 @@ class ActionClient(ServedClient[_Entry]):
 
     def _goal_answered(self, entry: _Entry, response: Message) -> None:
         now = time.monotonic()
-        if response.accepted and entry.on_accepted is not None:
-            entry.on_accepted()
         self._do(entry, entry.machine.accepted(now) if response.accepted else entry.machine.rejected())
         self._advance(now)
 

@@ -67,12 +67,16 @@ class MovedJoints:
         self, begin: Callable[[], Operation[T]], ended: Callable[[T], Operation[JointState]] | None = None
     ) -> Operation[JointState]:
         """Begin a motion in the place of the one under way; the result is what is measured when it has `ended`."""
-        if self._motion is not None:
-            self._drop()
-            self._motion.preempt()
+        self.give_way()
         part = begin().then(ended or (lambda _: measured(self._states, self._names)))
         self._motion = Motion(part, self._states, self._names)
         return self._motion.whole
+
+    def give_way(self) -> None:
+        """End a motion under way for another one that takes its place."""
+        if self._motion is not None:
+            self._drop()
+            self._motion.preempt()
 
     def _drop(self) -> None:
         """See to it that nothing more is sent of a motion whose place another one takes."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, SensorError, ServerTimeOutError
 from grip_bt.base.operation import Operation
-from grip_bt.base.values import Trajectory
+from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.steering import spliced
 from grip_bt.commanders.trajectory.stopping import accelerations_of, jerks_of, stop_ramp
 
@@ -130,6 +130,10 @@ class StreamedExecutor(RosExecutor):
         """Go on with another trajectory from a moment on; see `ports.Steerable`."""
         way = self._current
         return way is not None and way.amend(tail, at)
+
+    def execute_steered(self, trajectory: Trajectory) -> Operation[JointState]:
+        """See `ports.Steerable`; all motions can be changed."""
+        return self.execute(trajectory)
 
     def _begin(self, trajectory: Trajectory) -> Operation[None]:
         self._current = way = StreamedMotion(trajectory)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from grip_bt.base.errors import UnknownNameError, listing
 from grip_bt.base.failures import (
@@ -14,54 +14,80 @@ from grip_bt.base.failures import (
     ServerTimeOutError,
 )
 from grip_bt.base.operation import Operation
-from grip_bt.base.values import Trajectory
-from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.client.goal import GoalEnd
-from grip_bt.ros.controllers.following import Following
-from grip_bt.ros.controllers.motion import ActionExecutor
-from grip_bt.ros.convert_values import trajectory_to_message
-from grip_bt.ros.interfaces.build import ensure_package
+from grip_bt.base.steps import Steps, run_steps
+from grip_bt.base.values import JointState, Trajectory
 
+from ..client.bus import Bus
+from ..client.goal import GoalEnd
 from ..client.types import Message, constant_name
+from ..convert_values import trajectory_to_message
+from ..interfaces.build import ensure_package
+from .joint_states import JointStates
+from .motion import ActionExecutor
+from .streaming import TopicExecutor
 
 LATE = 60.0
 """How long a controller may take beyond the duration of a trajectory [s]."""
 
 
 class TrajectoryExecutor(ActionExecutor):
-    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint trajectory controller."""
+    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint trajectory controller.
 
-    steerable = True
+    A steered motion is streamed to the controller's topic `joint_trajectory`, beside the action, as MoveIt Servo does
+    it; where nobody subscribes to that, motions can't be changed under way.
+
+    Args:
+        accelerations: joint -> limit, for braking a steered motion; see `trajectory.stopping.accelerations_of`.
+        jerks: likewise; any where it names none.
+    """
+
     interface = "control_msgs/action/FollowJointTrajectory"
-    _following: Following | None = None
-    _fixed = False
 
-    def passed(self) -> float | None:
-        """Return for how long the motion under way has been followed [s]; see `ports.Steerable`.
+    def __init__(
+        self,
+        bus: Bus,
+        action: str,
+        names: Sequence[str],
+        states: JointStates,
+        accelerations: Mapping[str, float] | None = None,
+        jerks: Mapping[str, float] | None = None,
+        wait: float = 5.0,
+    ):
+        super().__init__(bus, action, names, states, wait)
+        topic = f"{action.rpartition('/')[0]}/joint_trajectory"
+        self._stream = TopicExecutor(bus, topic, names, states, accelerations, jerks)
+        self.passed, self.amend = self._stream.passed, self._stream.amend
+        self._writer = bus.writer(TopicExecutor.message, topic)
+        self._writer.advertise()
 
-        None, too, for a controller that once refused a goal while it followed another one.
-        """
-        return None if self._following is None or not self._replaces() else self._following.passed()
+    @property
+    def steerable(self) -> bool:
+        """Whether the controller's topic is heard."""
+        return self._writer.listeners() > 0
 
-    def amend(self, tail: Trajectory, at: float) -> bool:
-        """Go on with another trajectory from a moment on; see `ports.Steerable`."""
-        return self._following is not None and self._replaces() and self._following.amend(tail, at)
+    def execute_steered(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Stream a motion; a goal under way is cancelled, and over, before. See `ports.Steerable`."""
+        return run_steps(self._streamed(trajectory))
 
-    def _replaces(self) -> bool:
-        following = self._following
-        self._fixed = self._fixed or (following is not None and not following.replaceable)
-        return not self._fixed
+    def stop(self) -> None:
+        """See `ports.Executor`."""
+        super().stop()
+        self._stream.stop()
+
+    def _streamed(self, trajectory: Trajectory) -> Steps[JointState]:
+        if self._motion is not None:
+            super().stop()
+            try:
+                yield self._motion.whole
+            except ExpectedError:
+                pass  # whoever asked for it is told
+        measured: JointState = yield self._stream.execute(trajectory)
+        return measured
 
     def _begin(self, trajectory: Trajectory) -> Operation[GoalEnd]:
-        self._replaces()
-        self._following = Following(self._sent, trajectory)
-        self._following.begin()
-        return self._following.whole
-
-    def _sent(self, trajectory: Trajectory, ahead: float, accepted: Callable[[], None]) -> Operation[GoalEnd]:
-        goal = self._type.Goal(trajectory=trajectory_to_message(trajectory, ahead))
-        sent = self._client.send(goal, ahead + trajectory.duration + LATE, self._wait, on_accepted=accepted)
-        return as_motion(sent, self._action)
+        self._stream.give_way()
+        goal = self._type.Goal(trajectory=trajectory_to_message(trajectory))
+        return as_motion(self._client.send(goal, trajectory.duration + LATE, self._wait), self._action)
 
 
 def follow_goal(sent: Operation[GoalEnd], judge: Callable[[GoalEnd, bool], GoalEnd]) -> Operation[GoalEnd]:

@@ -1,7 +1,7 @@
 """A robot for the tests: two arm joints and a gripper, moved as controllers of ros2_control are asked to.
 
-Trajectories are followed as `trajectory_controller.py` says, under `/arm`, and under `/stubborn` by one that takes no
-goal while it follows another one. The gripper meets something at 0.02. The topic /stream/commands moves the arm at
+Trajectories are followed as `trajectory_controller.py` says, under `/arm`, and under `/untopical` by one without a
+topic. The gripper meets something at 0.02. The topic /stream/commands moves the arm at
 once, or, with `slow`, at 0.5 rad/s. `none` as an argument publishes no joint states; a JSON object
 {server: {joint: position}} has other joints than these, each under a trajectory action `/<server>/...`.
 
@@ -134,7 +134,7 @@ fingers = TrajectoryController(node, "/fingers", ["finger_1", "finger_2"], posit
 actions = [
     fingers,
     TrajectoryController(node, "/arm", NAMES, positions, lock),
-    TrajectoryController(node, "/stubborn", NAMES, positions, lock, replaces=False),
+    TrajectoryController(node, "/untopical", NAMES, positions, lock, heard=False),
     ActionServer(node, GripperCommand, "/gripper/gripper_cmd", grip, **accepted),
     ActionServer(node, GripperCommand, "/claw/gripper_cmd", claw, **accepted),
     *(TrajectoryController(node, f"/{server}", list(joints), positions, lock) for server, joints in others.items()),

@@ -39,8 +39,8 @@ def spline(t0, p0, v0, t1, p1, v1, t):
 
 
 class TrajectoryController:
-    def __init__(self, node, name, joints, positions, lock, replaces=True):
-        self.joints, self.positions, self.lock, self.replaces = joints, positions, lock, replaces
+    def __init__(self, node, name, joints, positions, lock, heard=True):
+        self.joints, self.positions, self.lock = joints, positions, lock
         self.velocities = dict.fromkeys(joints, 0.0)
         self.latest, self.turn, self.blocked = None, threading.Lock(), None
         self.server = ActionServer(
@@ -52,8 +52,8 @@ class TrajectoryController:
             handle_accepted_callback=self.taken,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
-
-        node.create_subscription(JointTrajectory, f"{name}/joint_trajectory", self.heard, 10)
+        if heard:
+            node.create_subscription(JointTrajectory, f"{name}/joint_trajectory", self.heard, 10)
 
     def taken(self, handle):
         self.latest = handle  # here, in the order of the goals: they are followed on threads, which begin in any order
@@ -69,10 +69,10 @@ class TrajectoryController:
             threading.Thread(target=self.follow, args=(handle,), daemon=True).start()
 
     def accepts(self, goal):
-        trajectory, follows = goal.trajectory, self.latest is not None
+        trajectory = goal.trajectory
         times = [seconds(p.time_from_start) for p in trajectory.points]
         ordered = bool(times) and all(b > a for a, b in zip(times, times[1:], strict=False))
-        good = set(trajectory.joint_names) == set(self.joints) and ordered and (self.replaces or not follows)
+        good = set(trajectory.joint_names) == set(self.joints) and ordered
         return GoalResponse.ACCEPT if good else GoalResponse.REJECT
 
     def follow(self, handle):
