@@ -1,7 +1,6 @@
-"""Coroutines as work of leaves: each on an event loop of its own in a worker, cancelled with its leaf, held in a pause.
+"""Coroutines as work of leaves: each on an event loop of its own in a worker, cancelled with its leaf.
 
-While the run is paused, the loop stands still: what a coroutine awaits may end meanwhile, but the coroutine itself goes
-on afterwards, and `asyncio`'s own time leaves the pause out. Code between two `await`s runs to the next one.
+A pause of the run doesn't reach them, as it reaches no other code in workers; what they sleep by the run's clock does.
 """
 
 from __future__ import annotations
@@ -20,78 +19,45 @@ from grip_bt.nodes.leaf import Leaf, OperationLeaf, Status
 from grip_bt.task.catalog.manifest import Manifest
 
 
-class _Loop(asyncio.SelectorEventLoop):
-    held = 0.0
-
-    def time(self) -> float:
-        return super().time() - self.held
-
-
-class _HeldCoroutine:
-    """One coroutine under way; implements `grip_bt.base.ports.Pausable`. `make` returns it, in the worker."""
+class _Coroutine:
+    """One coroutine under way; `make` returns it, in the worker."""
 
     def __init__(self, make: Callable[[], Awaitable[Value]]):
         self._make = make
         self._lock = threading.Lock()
-        self._free = threading.Event()
-        self._free.set()
         self._canceled = False
-        self._loop: _Loop | None = None
-        self._task: asyncio.Task[Value] | None = None
+        self._under_way: tuple[asyncio.AbstractEventLoop, asyncio.Task[Value]] | None = None
 
     def run(self) -> Value:
         """Run it to its end, in the worker; CanceledError where it was cancelled."""
         try:
-            with asyncio.Runner(loop_factory=_Loop) as runner:
-                return runner.run(self._main())
+            return asyncio.run(self._main())
         except asyncio.CancelledError:
             raise CanceledError("canceled") from None
         finally:
             with self._lock:
-                self._loop = None
-
-    def pause(self) -> None:
-        with self._lock:
-            if self._canceled or not self._free.is_set():
-                return
-            self._free.clear()
-            if self._loop is not None:
-                self._loop.call_soon_threadsafe(self._stand)
-
-    def resume(self) -> None:
-        self._free.set()
+                self._under_way = None
 
     def cancel(self) -> None:
-        """Cancel it where it awaits; one that is held goes on for that."""
+        """Cancel it where it awaits."""
         with self._lock:
             self._canceled = True
-            if self._loop is not None and self._task is not None:
-                self._loop.call_soon_threadsafe(self._task.cancel)
-        self._free.set()
+            if self._under_way is not None:
+                loop, task = self._under_way
+                loop.call_soon_threadsafe(task.cancel)
 
     async def _main(self) -> Value:
+        task = asyncio.current_task()
+        assert task is not None, "it runs in one"
         with self._lock:
-            loop = asyncio.get_running_loop()
-            assert isinstance(loop, _Loop), "the runner has made it"
-            self._loop, self._task = loop, asyncio.current_task()
-        self._stand()
-        if self._canceled:
-            raise CanceledError("canceled")
+            self._under_way = asyncio.get_running_loop(), task
+            if self._canceled:
+                raise CanceledError("canceled")
         return await self._make()
-
-    def _stand(self) -> None:
-        loop = self._loop
-        if loop is not None and not self._free.is_set():
-            began = loop.time()
-            self._free.wait()
-            loop.held += loop.time() - began
 
 
 def run_coroutine(context: Context, make: Callable[[], Awaitable[Value]]) -> Operation[Value]:
-    """Run a coroutine to its end in a worker.
-
-    Args:
-        context: of the run; the coroutine stands still while that is paused.
+    """Run a coroutine to its end in a worker of a run.
 
     Returns:
         What ends with it; cancelling it cancels the coroutine where it awaits, and it ends when what was awaited has.
@@ -102,13 +68,11 @@ def run_coroutine(context: Context, make: Callable[[], Awaitable[Value]]) -> Ope
         LEFT.set(whole.works_with)
         return await make()
 
-    coroutine = _HeldCoroutine(main)
+    coroutine = _Coroutine(main)
     whole: Operation[Value] = Operation(on_cancel=coroutine.cancel)
-    let_go = context.hold_with(coroutine)
     part = context.run_in_worker(coroutine.run)
 
     def ended() -> None:
-        let_go()
         try:
             result = part.result()
         except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it

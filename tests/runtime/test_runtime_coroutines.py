@@ -32,7 +32,6 @@ class World:
     def __init__(self) -> None:
         self.inside, self.go_on, self.cancelled = threading.Event(), threading.Event(), threading.Event()
         self.operation: Operation[Any] = Operation()
-        self.steps = 0
 
 
 class Base(grip.AsyncLeaf):
@@ -175,50 +174,20 @@ def test_what_it_tells_is_a_message_of_the_node(tmp_path: Path) -> None:
 
 
 @both
-def test_a_pause_holds_a_coroutine_between_awaits_and_leaves_its_time_out(target: Any) -> None:
+def test_a_pause_reaches_a_coroutine_in_what_it_sleeps_and_nowhere_else(target: Any) -> None:
     class Steps(Base):
-        async def run(self) -> float:
-            loop = asyncio.get_running_loop()
-            began = loop.time()
-            while not self.world.go_on.is_set():
-                self.world.steps += 1
-                self.world.inside.set()
-                await asyncio.sleep(0.001)
-            return loop.time() - began
-
-    began = time.monotonic()
-    run = run_of(Steps, target, outputs={"n": {"type": "Any"}}).start()
-    assert run.world.inside.wait(120)
-    run.runner.pause()
-    coroutine = run.context._pausable[0]
-    loop = coroutine._loop
-
-    async def nothing() -> None: ...
-
-    wait_for(lambda: coroutine._free._cond._waiters)  # its loop stands
-    done = asyncio.run_coroutine_threadsafe(nothing(), loop)
-    steps = run.world.steps
-    time.sleep(0.3)
-    assert run.world.steps == steps
-    assert not done.done()
-    run.world.go_on.set()
-    run.runner.resume()
-    assert run.join().status == "success"
-    assert run.compiled.data.snapshot()["", "n"] <= time.monotonic() - began - 0.3
-
-
-@both
-def test_a_coroutine_that_begins_in_a_pause_stands_still_at_once(target: Any) -> None:
-    class Begins(Base):
         async def run(self) -> None:
+            await self.world.operation
+            nap = self.sleep(0.001)
             self.world.inside.set()
+            await nap
 
-    run = run_of(Begins, target)
-    run.runner.pause()
-    run.start()
-    run.runner.step()  # one tick: the leaf begins, its coroutine doesn't
+    run = run_of(Steps, target).start()
     wait_for(lambda: run.leaves["/"].active)
-    assert not run.world.inside.wait(0.1)
+    run.runner.pause()
+    run.world.operation.succeed(None)
+    assert run.world.inside.wait(120)
+    assert run.result is None
     run.runner.resume()
     assert run.join().status == "success"
 
