@@ -14,7 +14,7 @@ from typing import Any
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.files import Closing
 
-from .journal_events import DAMAGED, MOST, Event, Name, checksum, is_name, is_time, unpacked
+from .journal_events import DAMAGED, MOST, Event, Name, is_name, is_time, unpacked
 from .journal_rows import JournalError, Rows, is_there
 from .value_codec import OpaqueValueError, decode
 
@@ -96,20 +96,6 @@ class JournalReader(Closing):
     def count(self, run: str) -> int:
         sql = f"SELECT last FROM blocks WHERE run=? AND {_GOOD} ORDER BY first DESC LIMIT 1"
         return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
-
-    def damage_of(self, run: str) -> str:
-        """Return which events of a run can't be read, by their numbers and checksums; empty where nothing is known.
-
-        Nothing is unpacked.
-        """
-        after, bad = 0, 0
-        for row in self._stored(run, 0):
-            spoilt = row[-1] != checksum(*row[:-1])
-            first, last = row[0], self._end_of(run, row) if spoilt else row[1]
-            if last > after:
-                bad += max(0, first - after - 1) + (last - max(first, after + 1) + 1 if spoilt else 0)
-                after = last
-        return f"{bad} of its {after} events can't be read; the rest is shown" if bad else ""
 
     def events(self, run: str, after_seq: int = 0, limit: int | None = None) -> list[Event]:
         """Return the events of a run that come after `after_seq`, in order.

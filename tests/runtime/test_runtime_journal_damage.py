@@ -127,11 +127,9 @@ def test_a_block_with_another_field_takes_nothing_else_along(file: Path) -> None
     for column, value, (first, last) in damages(file, run):
         change(file, f"UPDATE OR IGNORE blocks SET {column}=? WHERE run=? AND first=?", value, run, first)
         with JournalReader(file) as reader:
-            missing = missing_of(reader, run, written, set(range(first, last + 1)))
+            missing_of(reader, run, written, set(range(first, last + 1)))
             if last < len(written):
                 assert reader.count(run) == len(written), (column, value)
-                said = f"{len(missing)} of its {len(written)} events can't be read; the rest is shown"
-                assert reader.damage_of(run) == (said if missing else ""), (column, value)
         file.write_bytes(content)
 
 

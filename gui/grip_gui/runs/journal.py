@@ -38,17 +38,11 @@ class JournalRuns:
         self.file, self._folder = file, folder
         self._lock = threading.Lock()
         self._opened: JournalReader | None = None
-        self._damage: dict[tuple[str, float | None], str] = {}
 
     def runs(self) -> list[RunRecord]:
         """Return the latest runs, newest first."""
-        reader, found = self._reader(), []
-        for record in reader.runs()[:LISTED] if reader else ():
-            key = (record.id, record.ended)
-            if reader and record.status != "running" and key not in self._damage:  # looked for once
-                self._damage[key] = reader.damage_of(record.id)
-            found.append(self._wire(record).model_copy(update={"damage": self._damage.get(key, "")}))
-        return found
+        reader = self._reader()
+        return [self._wire(record) for record in reader.runs()[:LISTED]] if reader else []
 
     def run(self, run: str) -> RunRecord:
         """Return one run; UnknownNameError where there is none."""

@@ -30,7 +30,6 @@ class RunRecord(Wire):
     ended: float | None
     status: str
     outcome: str | None
-    damage: str = ""  # what of it can't be read, in a sentence; empty where nothing is known to be damaged
 
 
 class RunView(Wire):

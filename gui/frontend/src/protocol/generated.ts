@@ -588,7 +588,6 @@ export interface RunRecord {
   ended: number | null;
   status: string;
   outcome: string | null;
-  damage: string;
 }
 
 /** A run with the task as it was when it ran. */

@@ -151,7 +151,7 @@ export function showPlay(side: Side): void {
   const { task, status, outcome, events } = view;
   const id = MARK + side;
   const run = useRun.getState();
-  run.showTask(task, { id, task_name: task.name, task_path: task.path, target: "bt", seed: null, started: 0, ended: 0, status, outcome, damage: "" });
+  run.showTask(task, { id, task_name: task.name, task_path: task.path, target: "bt", seed: null, started: 0, ended: 0, status, outcome });
   run.addEvents(id, events, true);
   run.scrub(0);
   const known = useRun.getState().index.byPath;

@@ -132,14 +132,13 @@ function RunPicker(): JSX.Element {
   return (
       <select
         aria-label="Run to look at"
-        title={runs.find((entry) => entry.id === record?.id)?.damage || undefined}
         value={record?.id ?? ""} onChange={(event) => isKept(event.target.value || undefined) && void chooseRun(event.target.value)}
       >
         {!record && <option value="">choose a run</option>}
         {record && sideOf(record) !== null && <option value={record.id}>counterexample · {record.outcome ?? record.status}</option>}
         {runs.map((entry) => (
-          <option key={entry.id} value={entry.id} title={entry.damage || undefined}>
-            {`${new Date(entry.started * 1000).toLocaleString()} · ${entry.task_name} · ${entry.outcome ?? entry.status}${entry.damage && " · ⚠ damaged"}`}
+          <option key={entry.id} value={entry.id}>
+            {`${new Date(entry.started * 1000).toLocaleString()} · ${entry.task_name} · ${entry.outcome ?? entry.status}`}
           </option>
         ))}
       </select>
