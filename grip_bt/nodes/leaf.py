@@ -164,8 +164,7 @@ class Leaf(Node):
     def replay_begun(self) -> None:
         """Take note that an activation of that process begins; requests to end are those that there were then.
 
-        Activations of all leaves are told in the order in which they began and ended. One that hadn't ended is told
-        before any leaf works, and then goes on or begins again.
+        One that hadn't ended goes on, or begins again, afterwards.
         """
 
     def replay_ended(self, outcome: str | None) -> None:

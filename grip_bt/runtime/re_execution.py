@@ -83,8 +83,6 @@ class ReExecution:
         self._idle = 0
         self._seen, self._looked = 0, time.monotonic()
         self._settling = threading.Lock()
-        self._listening: list[_RecordedLeaf] = []
-        self._telling = threading.Lock()
 
     @property
     def live(self) -> bool:
@@ -98,8 +96,6 @@ class ReExecution:
             node = parts[path].node
             assert isinstance(node, model.Leaf), "leaves are leaves of the document"
             self._leaves[path] = _RecordedLeaf(leaf, self, {v: port for port, v in node.out.items()})
-            if type(leaf).replay_begun is not Leaf.replay_begun:
-                self._listening.append(self._leaves[path])
         states = [*self._compiled.by_path.values()]
         # A state of a machine may stand for a whole tree, by the path of its root.
         for state in states:
@@ -122,16 +118,6 @@ class ReExecution:
         elif sense == "after":
             children = [model.join(answers.path, name) for name in ends]
             answers.judge = partial(self.clock.rested, answers.path, children)
-
-    def tell_begun(self, seq: int | None) -> None:
-        """Tell leaves that care which recorded activations have begun before an event, in order; None for all."""
-        if not self._listening:
-            return
-        with self._telling:
-            begun = [(activation, leaf) for leaf in self._listening if (activation := leaf.untold()) is not None]
-            for activation, leaf in sorted(begun, key=lambda pair: pair[0].began):
-                if seq is None or self.recording.events[activation.began].seq < seq:
-                    leaf.tell_begun(activation)
 
     def _put(self, event: Event) -> None:
         cell = self._compiled.data[str(event.data.get("scope", ""))].cells[str(event.data["variable"])]
@@ -200,7 +186,6 @@ class _RecordedLeaf:
         self._recording = re_execution.recording
         self._mode: _Mode = ""
         self._released = False
-        self._told: Activation | None = None
         for name in ("initialise", "update", "terminate"):
             setattr(leaf, name, getattr(self, name))
 
@@ -216,10 +201,12 @@ class _RecordedLeaf:
 
     def initialise(self) -> None:
         activation = self._recording.current.get(self._leaf.path)
-        if activation is not None:
-            self._mode = "recorded" if activation.end is not None else "open"
-        else:
+        if activation is None:
             self._mode = "new"
+            return
+        self._mode = "recorded" if activation.end is not None else "open"
+        with _asked_until(self._leaf, self._recording.events[activation.began].seq, self._recording):
+            self._leaf.replay_begun()
 
     def update(self) -> Status:
         if self._mode == "recorded":
@@ -241,18 +228,8 @@ class _RecordedLeaf:
             return
         activation = self._recording.current.get(self._leaf.path)
         end = activation.end if activation is not None else None
-        self._re_execution.tell_begun(end.seq if end is not None else None)
         with _asked_until(self._leaf, end.seq if end is not None else None, self._recording):
             self._leaf.replay_ended(self._leaf.outcome)
-
-    def untold(self) -> Activation | None:
-        activation = self._recording.current.get(self._leaf.path)
-        return None if activation is self._told else activation
-
-    def tell_begun(self, activation: Activation) -> None:
-        self._told = activation
-        with _asked_until(self._leaf, self._recording.events[activation.began].seq, self._recording):
-            self._leaf.replay_begun()
 
     def _end_again(self, activation: Activation) -> Status:
         end = activation.result
@@ -278,7 +255,6 @@ class _RecordedLeaf:
             self._re_execution.tell(path, "result")
             outcome, code = result
             return self._ended(outcome, Failure(code, "set by hand", {}) if code else None)
-        self._re_execution.tell_begun(None)
         mode, how = self._mode, self._re_execution.how.get(path, "restart")
         self.release()
         if mode != "open":
