@@ -1,4 +1,7 @@
-"""Undo and redo over commands, with branches: what was undone and then overwritten stays reachable."""
+"""Undo and redo over commands, with branches: what was undone and then overwritten stays reachable.
+
+A history is made of texts, so that undo gives back the very bytes.
+"""
 
 from __future__ import annotations
 
@@ -7,27 +10,28 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.base.files import replace_text
 
 from ..document import Document, read_text
-from .commands import AnyCommand, Patch, title_of
+from .commands import AnyCommand, title_of
 from .documents import Edited, apply_to_document, rewrite
+from .steps import Step
 
 LIMIT = 1000
 """Moments that a history holds, unless it is told otherwise."""
-VERSION = 1
-LARGEST = 20_000_000
+VERSION = 2
+LARGEST = 10_000_000
 """Bytes of a file; a larger history is stored without its oldest moments."""
 OUTSIDE = "changed outside"
 
 
 class Moment(BaseModel):
-    """One state of a document in a history, with the way from and to the one before."""
+    """One state of a document in a history."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid")
 
     number: Annotated[int, Field(ge=0)]
     """0 is what the history began with."""
@@ -35,10 +39,11 @@ class Moment(BaseModel):
     """The moment that it was made from; None for the first."""
     title: str
     """What was done, in a few words."""
-    back: Patch | None = None
-    forth: Patch | None = None
-    children: list[int] = []
-    """The moments made from it, the one left last at the end."""
+    text: str
+    back: tuple[Step, ...] = ()
+    """The way to the one before, for what follows the nodes."""
+    forth: tuple[Step, ...] = ()
+    """The way from there."""
 
 
 class History:
@@ -48,9 +53,11 @@ class History:
     """
 
     def __init__(self, document: Document, limit: int = LIMIT):
-        self._moments = {0: Moment(number=0, parent=None, title="opened")}
+        self._moments = {0: Moment(number=0, parent=None, title="opened", text=document.text)}
         self._at = 0
         self._next = 1
+        self._left: dict[int, int] = {}
+        """Moment -> which of those made from it was left last, where it was left since the history was loaded."""
         self._limit = max(limit, 1)
         self._document = document
 
@@ -58,7 +65,7 @@ class History:
     def restored(cls, document: Document, moments: Iterable[Moment], at: int, limit: int = LIMIT) -> History:
         """Return a history as it was: its document, its moments, and the number of the one at which it is."""
         history = cls(document, limit)
-        history._moments = {each.number: each.model_copy(update={"children": [*each.children]}) for each in moments}
+        history._moments = {each.number: each for each in moments}
         history._at, history._next = at, max(history._moments) + 1
         history._forget()
         return history
@@ -81,12 +88,12 @@ class History:
     @property
     def can_undo(self) -> bool:
         """Whether something can be undone here."""
-        return self._moments[self._at].back is not None
+        return self.at.parent is not None
 
     @property
     def can_redo(self) -> bool:
         """Whether something was undone here that can be done again."""
-        return bool(self._moments[self._at].children)
+        return bool(self._below(self._at))
 
     def do(self, command: AnyCommand) -> Edited:
         """Carry out a command (one gesture: several are a `Group`) and keep how to undo it.
@@ -96,41 +103,39 @@ class History:
         """
         edited = apply_to_document(self._document, command)
         number, self._next = self._next, self._next + 1
-        self._moments[number] = Moment(number=number, parent=self._at, title=title_of(command), back=edited.inverse)
-        self._moments[self._at].children.append(number)
+        told = {"title": title_of(command), "text": edited.document.text}
+        made = Moment(number=number, parent=self._at, **told, back=edited.inverse.steps, forth=edited.steps)
+        self._moments[number] = made
         self._at, self._document = number, edited.document
         self._forget()
         return edited
 
-    def undo(self) -> Edited:
-        """Go to the moment before; EditError where this is the first."""
-        moment = self._moments[self._at]
-        if moment.back is None or moment.parent is None:
+    def undo(self) -> tuple[Step, ...]:
+        """Go to the moment before, and return the way there; EditError where this is the first."""
+        moment = self.at
+        if moment.parent is None:
             raise EditError("", "there is nothing to undo")
-        edited = apply_to_document(self._document, moment.back)
-        moment.forth = edited.inverse
-        self._take(moment.parent, moment.number, edited)
-        return edited
+        self._left[moment.parent] = moment.number
+        self._turn_to(moment.parent)
+        return moment.back
 
-    def redo(self, number: int | None = None) -> Edited:
+    def redo(self, number: int | None = None) -> tuple[Step, ...]:
         """Go to a moment that was made from this one: to the one of this number, or to the one that was left last.
 
         Raises:
             EditError: nothing was undone here, or there is no such moment.
         """
-        children = self._moments[self._at].children
-        if not children or (number is not None and number not in children):
+        below = self._below(self._at)
+        if not below or (number is not None and number not in below):
             wrong = f"revision {number} doesn't follow from the current one"
             raise EditError("", "there is nothing to redo" if number is None else wrong)
-        moment = self._moments[children[-1] if number is None else number]
-        assert moment.forth is not None
-        edited = apply_to_document(self._document, moment.forth)
-        moment.back = edited.inverse
-        self._take(moment.number, moment.number, edited)
-        return edited
+        left = self._left.get(self._at)
+        moment = self._moments[number if number is not None else left if left in below else below[-1]]
+        self._turn_to(moment.number)
+        return moment.forth
 
-    def go(self, number: int) -> tuple[Edited, ...]:
-        """Go to any moment, over undo and redo; return what was done on the way.
+    def go(self, number: int) -> tuple[Step, ...]:
+        """Go to any moment, over undo and redo; return the way there.
 
         Raises:
             EditError: there is no such moment.
@@ -138,28 +143,27 @@ class History:
         if number not in self._moments:
             forgotten = " any more" if 0 <= number < self._next else ""
             raise EditError("", f"there is no revision {number}{forgotten}; the last is {max(self._moments)}")
-        up = self._line(self._at)
-        down = []
-        at: int = number
-        while at not in up:
-            down.append(at)
-            parent = self._moments[at].parent
-            assert parent is not None
-            at = parent
-        done = [self.undo() for _ in range(up.index(at))]
-        return (*done, *(self.redo(step) for step in reversed(down)))
+        up, down = self._line(self._at), self._line(number)
+        common = next(each for each in up if each in down)
+        ways = [self.undo() for _ in up[: up.index(common)]]
+        ways += [self.redo(each) for each in reversed(down[: down.index(common)])]
+        return tuple(step for way in ways for step in way)
+
+    def _turn_to(self, number: int) -> None:
+        self._at, self._document = number, read_text(self._moments[number].text, self._document.source)
 
     def _forget(self) -> None:
         """Keep no more moments than the limit; numbers stay."""
         while len(self._moments) > self._limit:
-            line = set(self._line(self._at))
-            loose = next((n for n, moment in self._moments.items() if n not in line and not moment.children), None)
-            gone = self._moments.pop(next(iter(self._moments)) if loose is None else loose)
-            if gone.parent is not None:
-                self._moments[gone.parent].children.remove(gone.number)
-            else:
-                begin = self._moments[gone.children[0]]
-                begin.parent = begin.back = begin.forth = None
+            line = self._line(self._at)
+            loose = (number for number in self._moments if number not in line and not self._below(number))
+            gone = self._moments.pop(next(loose, next(iter(self._moments))))
+            if gone.parent is None:
+                (first,) = self._below(gone.number)
+                self._moments[first] = self._moments[first].model_copy(update={"parent": None, "back": (), "forth": ()})
+
+    def _below(self, number: int) -> list[int]:
+        return [moment.number for moment in self._moments.values() if moment.parent == number]
 
     def _line(self, number: int) -> list[int]:
         line: list[int] = []
@@ -169,22 +173,24 @@ class History:
             at = self._moments[at].parent
         return line
 
-    def _take(self, number: int, used: int, edited: Edited) -> None:
-        parent = self._moments[used].parent
-        assert parent is not None
-        siblings = self._moments[parent].children
-        siblings.remove(used)
-        siblings.append(used)
-        self._at, self._document = number, edited.document
-
 
 class _Stored(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    grip_history: Literal[1]
-    text: str
+    grip_history: Literal[2]
     at: int
     moments: list[Moment] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _one_tree(self) -> _Stored:
+        seen: list[int | None] = [None]
+        for number, parent in ((moment.number, moment.parent) for moment in self.moments):
+            if parent not in seen or (number in seen) or (parent is None) != (seen == [None]):
+                raise ValueError("moments that don't hang together")
+            seen.append(number)
+        if self.at not in seen:
+            raise ValueError(f"no moment {self.at}")
+        return self
 
 
 def history_path(task: Path | str) -> Path:
@@ -213,7 +219,7 @@ def save_history(history: History, path: Path) -> None:
 
 def stored(history: History) -> str:
     """Return a history as the text of its file."""
-    made = _Stored(grip_history=1, text=history.document.text, at=history.at.number, moments=list(history.moments))
+    made = _Stored(grip_history=2, at=history.at.number, moments=list(history.moments))
     return json.dumps(made.model_dump(mode="json"), ensure_ascii=False) + "\n"
 
 
@@ -248,8 +254,8 @@ def restored(text: str, source: str, limit: int = LIMIT, where: str = "") -> His
         if isinstance(version, int) and version > VERSION:
             newer = f"version {version} of the edit history is newer than this version of GRIP reads ({VERSION})"
             raise DocumentError(f"{newer}; run `pip install -U grip-bt`", where)
-        kept = _checked(_Stored.model_validate_json(text))
-        document = read_text(kept.text, source)
+        kept = _Stored.model_validate_json(text)
+        document = read_text(next(moment.text for moment in kept.moments if moment.number == kept.at), source)
     except DocumentError as error:
         if where == error.source:
             raise
@@ -262,24 +268,3 @@ def restored(text: str, source: str, limit: int = LIMIT, where: str = "") -> His
 def _corrupt(words: str, where: str) -> DocumentError:
     message = f"the edit history is corrupt ({words.splitlines()[0]}); delete the file to start a new one"
     return DocumentError(message, where)
-
-
-def _checked(found: _Stored) -> _Stored:
-    """Refuse moments that aren't one tree with a way back from each; ValueError where they aren't."""
-    numbers = [m.number for m in found.moments]
-    parents = {m.number: m.parent for m in found.moments}
-    children = sorted((m.number, child) for m in found.moments for child in m.children)
-    if numbers != sorted(set(numbers)) or found.at not in parents:
-        raise ValueError("moments without an order")
-    if children != sorted((parent, n) for n, parent in parents.items() if parent is not None):
-        raise ValueError("moments that don't hang together")
-    if any(parent is None for parent in list(parents.values())[1:]) or parents[numbers[0]] is not None:
-        raise ValueError("moments without a beginning")
-    if any(parent >= n for n, parent in parents.items() if parent is not None):
-        raise ValueError("moments before their parents")
-    line: set[int | None] = {found.at}
-    for number in reversed(numbers):
-        line |= {parents[number]} if number in line else set()
-    if any((m.back is None) != (m.parent is None) or (m.forth is None and m.number not in line) for m in found.moments):
-        raise ValueError("moments without a way back or forth")
-    return found

@@ -199,8 +199,8 @@ class OpenDocument:
             self._dropped, self.draft = self.draft, None
             self._enter((), self.layout)
             return
-        before, edited = self.layout, self._settled().undo()
-        self._enter(edited.steps, before)
+        before, steps = self.layout, self._settled().undo()
+        self._enter(steps, before)
 
     def redo(self, number: int | None = None) -> None:
         """Go to the moment that was left last, or to the one of this number that was made from here."""
@@ -209,13 +209,13 @@ class OpenDocument:
             self.draft, self._dropped = self._dropped, None
             self.revision += 1
             return
-        before, edited = self.layout, history.redo(number)
-        self._enter(edited.steps, before)
+        before, steps = self.layout, history.redo(number)
+        self._enter(steps, before)
 
     def go(self, number: int) -> None:
         """Go to any moment of any branch."""
-        before, done = self.layout, self._settled().go(number)
-        self._enter(tuple(step for edited in done for step in edited.steps), before)
+        before, steps = self.layout, self._settled().go(number)
+        self._enter(steps, before)
 
     def _settled(self) -> History:
         """Return the history, unless a draft is in the way."""
