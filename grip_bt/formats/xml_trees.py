@@ -1,6 +1,6 @@
 """What the XML dialects of behaviour trees share, in and out.
 
-Reading takes XML of anybody: no entities, no document types, bounded in size and depth, with lines for messages.
+Reading takes XML of anybody, bounded in size.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import cast
-from xml.parsers import expat
 from xml.sax.saxutils import escape, unescape
 
 from grip_bt.base.errors import DocumentError, NotExpressibleError, listing, nearest
+from grip_bt.base.xml import MalformedError, XmlElement, parse_xml
 from grip_bt.compilers.resolve import Part
 from grip_bt.formats.imported import Issues
 from grip_bt.formats.names import free
@@ -78,41 +78,22 @@ def read_elements(text: str, source: str, lenient: bool = False) -> Element:
         lenient: whether it is read as TinyXML2 does where it isn't well-formed.
 
     Raises:
-        DocumentError: it isn't well-formed, has a document type, or is too large or too deep.
+        DocumentError: it isn't well-formed, declares an entity, or is too large or too deep.
     """
     if len(text) > LARGEST:
         raise DocumentError(f"larger than {LARGEST // 1_000_000} MB", source)
-    top = Element("", {}, 0)
-    stack = [top]
-    parser = expat.ParserCreate()
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        if len(stack) > DEEPEST:
-            raise DocumentError(f"nested deeper than {DEEPEST} levels", source, parser.CurrentLineNumber)
-        element = Element(tag, attributes, parser.CurrentLineNumber, source)
-        stack[-1].children.append(element)
-        stack.append(element)
-
-    def end(tag: str) -> None:
-        stack.pop()
-
-    def characters(text: str) -> None:
-        stack[-1].text += text
-
-    def refuse(*what: object) -> None:
-        raise DocumentError("a document type (<!DOCTYPE ...>) isn't read; remove it", source, parser.CurrentLineNumber)
-
-    parser.StartElementHandler, parser.EndElementHandler = start, end
-    parser.StartDoctypeDeclHandler = refuse
-    parser.CharacterDataHandler, parser.buffer_text = characters, True
     try:
-        parser.Parse(text, True)
-    except expat.ExpatError as error:
+        return _element(parse_xml(text, source, DEEPEST), source)
+    except MalformedError:
         if lenient and (again := mended(text)) != text:
             return read_elements(again, source)
-        message = f"not well-formed XML: {expat.ErrorString(error.code)}"
-        raise DocumentError(message, source, error.lineno, error.offset + 1) from None
-    return top.children[0]
+        raise
+
+
+def _element(found: XmlElement, source: str) -> Element:
+    text = (found.text or "") + "".join(each.tail or "" for each in found)
+    inside = [_element(each, source) for each in found]  # type: ignore[arg-type]
+    return Element(found.tag, found.attrib, found.line or 0, source, inside, text)
 
 
 _DIRECTIONS = {"input_port": "in", "output_port": "out", "inout_port": "inout", "bidirectional_port": "inout"}

@@ -1,7 +1,4 @@
-"""XML files of robots: read with line numbers, without entities, never so deep that a recursion would end; and xacro.
-
-`xml.etree` forgets lines; the same expat parser feeds its tree builder here, and each element knows its line.
-"""
+"""XML files of robots, and xacro."""
 
 from __future__ import annotations
 
@@ -11,30 +8,17 @@ import subprocess
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from pathlib import Path
-from xml.parsers import expat
 
 from grip_bt.base.errors import DocumentError, listing
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.values.pose import Pose, quaternion_of
+from grip_bt.base.xml import XmlElement, parse_xml
 
 from .files import note
 from .packages import Packages
 
-DEEPEST = 200
 LARGEST = 64 * 1024 * 1024
 """Bytes; the largest robots have about one million."""
-
-
-class Element(ET.Element):
-    """An element that knows its line.
-
-    Attributes:
-        line: 1-based line of its start.
-        left_out: of a robot that was expanded, what its files include of packages that aren't here.
-    """
-
-    line: int | None = None
-    left_out: tuple[str, ...] = ()
 
 
 def line_of(element: ET.Element) -> int | None:
@@ -42,7 +26,7 @@ def line_of(element: ET.Element) -> int | None:
     return getattr(element, "line", None)
 
 
-def read_xml(path: Path, root: str) -> Element:
+def read_xml(path: Path, root: str) -> XmlElement:
     """Read a file whose outermost element is `root`.
 
     Raises:
@@ -57,23 +41,11 @@ def read_xml(path: Path, root: str) -> Element:
     if (begin := text.find(b"<?xml")) > 0:  # below a licence; ROS's parsers don't mind
         end = text.find(b"?>", begin) + 2
         text = text[:begin] + b" " * (end - begin) + text[end:]
-    return parse_xml(text, root, str(path))
+    return _rooted(text, root, str(path))
 
 
-def parse_xml(text: bytes | str, root: str, source: str = "") -> Element:
-    """Parse a document whose outermost element is `root`; see `read_xml`.
-
-    Raises:
-        DocumentError: likewise.
-    """
-    try:
-        element = _parsed(text if isinstance(text, bytes) else text.encode(), source)
-    except expat.ExpatError as error:
-        raise DocumentError(
-            f"isn't well-formed XML: {expat.errors.messages[error.code]}", source, error.lineno, error.offset + 1
-        ) from None
-    except (ValueError, LookupError) as error:  # an encoding that expat or Python doesn't know
-        raise DocumentError(f"isn't well-formed XML: {error}", source) from None
+def _rooted(text: bytes | str, root: str, source: str) -> XmlElement:
+    element = parse_xml(text, source)
     if element.tag != root:
         raise DocumentError(f"its outermost element has to be <{root}>, not <{element.tag}>", source, element.line)
     return element
@@ -120,31 +92,6 @@ def required(element: ET.Element, attribute: str, source: str = "") -> str:
     return value
 
 
-def _parsed(text: bytes, source: str) -> Element:
-    builder, parser, depth = ET.TreeBuilder(element_factory=Element), expat.ParserCreate(), 0
-
-    def refuse(message: str) -> None:
-        raise DocumentError(message, source, parser.CurrentLineNumber)
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
-        if depth > DEEPEST:
-            refuse(f"elements are nested more than {DEEPEST} deep")
-        builder.start(tag, attributes).line = parser.CurrentLineNumber  # type: ignore[attr-defined]
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        builder.end(tag)
-
-    parser.buffer_text = True
-    parser.StartElementHandler, parser.EndElementHandler, parser.CharacterDataHandler = start, end, builder.data
-    parser.EntityDeclHandler = lambda *_: refuse("it declares an entity; write out what it stands for")
-    parser.Parse(text, True)
-    return builder.close()  # type: ignore[return-value]
-
-
 TIME = 30.0
 """After so long a file won't end any more [s]; large robots take one or two."""
 MODULE = "grip_bt.commanders.description.xacro_process"
@@ -184,7 +131,7 @@ def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> t
     return str(reply["text"]), tuple(reply["left"])
 
 
-def read_robot(path: Path, arguments: Mapping[str, object], packages: Packages) -> Element:
+def read_robot(path: Path, arguments: Mapping[str, object], packages: Packages) -> XmlElement:
     """Return a URDF or SRDF, or a xacro file of one, as its tree; lines are those of the expanded text.
 
     Raises:
@@ -193,6 +140,6 @@ def read_robot(path: Path, arguments: Mapping[str, object], packages: Packages) 
     if path.suffix != ".xacro":
         return read_xml(path, "robot")
     text, left = expand(path, arguments, packages)
-    robot = parse_xml(text, "robot", str(path))
-    robot.left_out = left
+    robot = _rooted(text, "robot", str(path))
+    robot.left_out = left  # type: ignore[attr-defined]  # told by whoever describes the robot
     return robot

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from xml.parsers import expat
 
 from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.xml import XmlElement, parse_xml
 from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file, to_data
 
 from ..process import text_of
@@ -56,36 +56,16 @@ def read_elements(path: Path) -> Element:
         if path.suffix in (".yaml", ".yml"):
             return _from_yaml(text, str(path))
         check_not_legacy(text, path)
+        return _from_xml(text, str(path))
     except DocumentError as error:
         raise LaunchError(str(path), error.line, error.message) from None
-    return _from_xml(text, str(path))
 
 
 def _from_xml(text: str, source: str) -> Element:
-    """Read XML; entities are refused, so that nothing expands."""
-    parser = expat.ParserCreate()
-    root = Element("", {})
-    stack = [root]
+    def element(found: XmlElement) -> Element:
+        return Element(found.tag, found.attrib, [element(each) for each in found], found.line or 0)  # type: ignore[arg-type]
 
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        if len(stack) > DEEPEST:
-            raise LaunchError(source, parser.CurrentLineNumber, f"elements are nested more than {DEEPEST} deep")
-        element = Element(tag, attributes, line=parser.CurrentLineNumber)
-        stack[-1].children.append(element)
-        stack.append(element)
-
-    def refuse(*_: object) -> None:
-        raise LaunchError(source, parser.CurrentLineNumber, "a launch file declares no entities")
-
-    parser.StartElementHandler = start
-    parser.EndElementHandler = lambda tag: stack.pop()
-    parser.EntityDeclHandler = refuse
-    try:
-        parser.Parse(text.encode(), True)
-    except expat.ExpatError as error:
-        reason = f"isn't one well-formed <launch>...</launch> of XML: {expat.errors.messages[error.code]}"
-        raise LaunchError(source, error.lineno, reason) from None
-    (top,) = root.children
+    top = element(parse_xml(text, source, DEEPEST))
     if top.tag != "launch":
         raise LaunchError(source, top.line, f"a launch file begins with <launch>, not with <{top.tag}>")
     return top

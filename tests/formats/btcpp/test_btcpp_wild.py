@@ -128,12 +128,12 @@ def test_all_refusals_of_a_file_are_listed_in_their_order() -> None:
 
 
 HOSTILE: list[tuple[str, str, str]] = [
-    ("no XML", "{", "not well-formed XML"),
-    ("empty", "", "not well-formed XML"),
-    ("unclosed", "<root BTCPP_format='4'><BehaviorTree ID='A'>", "not well-formed XML"),
-    ("bomb", '<!DOCTYPE r [<!ENTITY a "aa"><!ENTITY b "&a;&a;">]><root>&b;</root>', "a document type"),
-    ("file", '<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]><root>&a;</root>', "a document type"),
-    ("deep", "<root>" + "<Sequence>" * 10_000, "nested deeper than"),
+    ("no XML", "{", "isn't well-formed XML"),
+    ("empty", "", "isn't well-formed XML"),
+    ("unclosed", "<root BTCPP_format='4'><BehaviorTree ID='A'>", "isn't well-formed XML"),
+    ("bomb", '<!DOCTYPE r [<!ENTITY a "aa"><!ENTITY b "&a;&a;">]><root>&b;</root>', "it declares an entity"),
+    ("file", '<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]><root>&a;</root>', "it declares an entity"),
+    ("deep", "<root>" + "<Sequence>" * 10_000, "nested more than 120 deep"),
     ("huge", "<root>" + "<!-- x -->" * 500_000, "larger than"),
     ("other", "<robot/>", 'a file of BehaviorTree.CPP begins with <root BTCPP_format="4">'),
     ("version 3", "<root BTCPP_format='3'/>", "convert_v3_to_v4.py makes one"),
