@@ -69,6 +69,7 @@ def environment(python: str, folder: Path, *requirements: str | Path) -> Path:
 def built(out: Path) -> tuple[Path, Path]:
     """Build the source distribution and, out of it, the wheel; `twine check` has nothing to say of them."""
     shutil.rmtree(out, ignore_errors=True)
+    said("make", "docs", cwd=ROOT)
     said(sys.executable, "-m", "hatchling", "build", "-t", "sdist", "-d", out, cwd=ROOT)
     (source,) = out.glob("*.tar.gz")
     with tempfile.TemporaryDirectory() as place:

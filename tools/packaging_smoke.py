@@ -86,6 +86,8 @@ def bare(grip: Path, work: Path, around: Surroundings) -> str:
     ):
         _told(grip, lab, around, *words)
     _page(grip, lab, around)
+    if "grip_bt/_docs/running.html" not in _told(grip, lab, around, "docs", "running", "--no-browser"):
+        raise SmokeError("grip docs doesn't find the page that came with the wheel")
     for words, extra in (
         (("demo",), "sim"),
         (("robot", "show", "panda"), "robots"),

@@ -5,14 +5,18 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import json
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
+from textwrap import dedent
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, ByteSize, RootModel, TypeAdapter
 from pydantic.fields import FieldInfo
@@ -122,6 +126,9 @@ SCHEMAS: Mapping[str, tuple[type[BaseModel], str]] = {
     "project.schema.json": (ProjectFile, "GRIP project file"),
     "world.schema.json": (WorldFile, "GRIP world file"),
 }
+FORMS = {"project": ProjectFile, "component": ComponentFile, "world": WorldFile}
+SHAPES = "../gui/grip_gui/setup/shapes.json"
+"""Of the page's forms: with what each key means, which only the sources say."""
 _HEAD = """# {title}
 
 {about}
@@ -151,6 +158,39 @@ _PLURALS = re.compile(r"^(integer|number|text|name|ROS name|import path)(?= |$)"
 _UNIT = re.compile(r" ?\[([^\]`]+)\](?!\()")
 
 
+def described(model: type[BaseModel]) -> type[BaseModel]:
+    """Give each field of a model, and of those in it, what its source says below it as description; return the model.
+
+    Reading sources takes a while, so that only what shows the descriptions asks for them.
+    """
+    _describe(model, set())
+    return model
+
+
+def _describe(model: type[BaseModel], done: set[type[BaseModel]]) -> None:
+    done.add(model)
+    said = dict[str, str]()
+    for base in reversed(model.__mro__):
+        if not base.__module__.startswith("grip_") or "[" in base.__name__:
+            continue  # pydantic's own, and what it makes of one that takes types
+        body = cast("ast.ClassDef", ast.parse(dedent(inspect.getsource(base))).body[0]).body
+        for key, doc in pairwise(body):
+            if isinstance(key, ast.AnnAssign) and isinstance(doc, ast.Expr) and isinstance(doc.value, ast.Constant):
+                said[cast("ast.Name", key.target).id] = inspect.cleandoc(str(doc.value.value))
+    for name, field in model.model_fields.items():
+        field.description = field.description or said.get(name)
+        for part in {each for each in _parts_of(field.annotation) if issubclass(each, BaseModel)} - done:
+            _describe(part, done)
+    model.model_rebuild(force=True)
+
+
+def _parts_of(annotation: object) -> Iterator[type]:
+    if isinstance(annotation, type) and not get_args(annotation):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _parts_of(part)
+
+
 class _Reference:
     """Writes the pages; each mapping is told of on the first page that has it, and linked from the others."""
 
@@ -160,6 +200,8 @@ class _Reference:
 
     def page(self, page: Page) -> str:
         self._page = page.name
+        for file in page.files:
+            described(file.model)
         found = [(file, self._below(file)) for file in page.files]
         parts = [_HEAD.format(title=page.title, about=page.about)]
         for file, places in found:
@@ -264,13 +306,19 @@ class _Reference:
 def reference() -> dict[str, str]:
     """Return every page and schema: the file's name -> its text."""
     writer = _Reference()
-    return {page.name: writer.page(page) for page in PAGES} | {
-        name: _schema(model, title) for name, (model, title) in SCHEMAS.items()
-    }
+    shapes = {name: described(model).model_json_schema() for name, model in FORMS.items()}
+    return (
+        {page.name: writer.page(page) for page in PAGES}
+        | {name: _schema(model, title) for name, (model, title) in SCHEMAS.items()}
+        | {SHAPES: json.dumps(shapes, indent=1, ensure_ascii=False) + "\n"}
+    )
 
 
 def _schema(model: type[BaseModel], title: str) -> str:
-    made = {"$schema": "https://json-schema.org/draft/2020-12/schema", **model.model_json_schema(by_alias=True)}
+    made = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **described(model).model_json_schema(by_alias=True),
+    }
     return json.dumps({**made, "title": title}, indent=2, ensure_ascii=False) + "\n"
 
 

@@ -16,7 +16,7 @@ from grip_bt.app.campaign.statistics import reason, summary, wilson
 from grip_bt.app.campaign.trials import Trials, check
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.base.errors import NotWritableError, nearest
-from grip_bt.cli import STOPPED
+from grip_bt.cli import STOPPED, terminal
 from grip_bt.cli.parser import add_no_code, whole
 from grip_bt.cli.terminal import on_stop
 
@@ -63,19 +63,21 @@ def _run(path: Path, args: argparse.Namespace) -> int:
     file = args.output or _own_folder(find_project(campaign.task(first))) / "campaigns" / f"{campaign.name}.jsonl"
     if args.trial is not None:
         return _again(campaign, file, args.trial)
-    with alone(file):
-        return _run_all(campaign, file, args)
+    with alone(file), terminal.Bar("trials") as bar:
+        return _run_all(campaign, file, args, bar)
 
 
-def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace) -> int:
+def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace, bar: terminal.Bar) -> int:
     results = begin(file, head_of(campaign), args.resume)
     left = [trial for trial in campaign.trials() if trial not in results.done]
 
     def say(text: str) -> None:
-        if not (args.json or args.csv):
+        bar.clear()
+        if not (args.json or args.csv or terminal.quiet):
             print(text, file=sys.stderr, flush=True)
 
     say(_opening(campaign, results, len(left), args.workers))
+    bar(0, len(left))
     began, before = time.monotonic(), len(results.rows)
 
     def ended(row: TrialRow) -> None:
@@ -85,6 +87,7 @@ def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace) -> int:
         low, high = wilson(sum(each["success"] for each in same), len(same))
         rate = f"{row['variant']} {low:.0%} to {high:.0%}"
         say(f"{_line(row, len(results.rows))}; {rate}; {_time(passed / done * trials.left)} left")
+        bar(done, len(left), row["trial"])
 
     trials = Trials(campaign, file.with_suffix(".sqlite"), ended, before=results.rows, fresh=args.fresh)
     on_stop(trials.stop)

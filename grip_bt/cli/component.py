@@ -17,7 +17,7 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.cli.parser import add_actions, add_no_code
-from grip_bt.cli.terminal import tell
+from grip_bt.cli.terminal import Bar, tell
 from grip_bt.codegen import outdated, render, write_package
 from grip_bt.codegen.scaffold import make_repository
 from grip_bt.ros.interfaces import build_interfaces, read_interface
@@ -201,7 +201,8 @@ def add_interfaces(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_interfaces(args: argparse.Namespace) -> None:
-    built = build_interfaces(args.folder)
+    with Bar("packages") as bar:
+        built = build_interfaces(args.folder, progress=bar)
     rows = [{"package": b.package, "prefix": str(b.prefix), "seconds": round(b.seconds, 2)} for b in built]
     lines = (f"{b.package:<28} {'cached' if b.cached else f'{b.seconds:5.1f} s'}  {b.prefix}" for b in built)
     tell(args.json, rows, lines)

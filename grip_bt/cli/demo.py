@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -167,49 +166,45 @@ class Attempt:
     duration: float = 0.0
 
 
+@dataclass
 class AttemptRecorder(Observer):
     """An observer that gathers attempts; before the leaf `check`, the referee is asked what is held."""
 
-    def __init__(
-        self,
-        attempt: str,
-        check: str,
-        clock: Callable[[], float],
-        truth: _Truth | None = None,
-        on_end: Callable[[Attempt], None] = lambda attempt: None,
-        meaning: Mapping[str, str] = MappingProxyType({"failure": "failure"}),
-    ):
-        self._path, self._check, self._clock, self._truth, self._on_end = attempt, check, clock, truth, on_end
-        self.attempts: list[Attempt] = []
-        self._meaning = meaning
-        self._began = 0.0
-        self._first: Failure | None = None
+    attempt: str
+    check: str
+    clock: Callable[[], float]
+    truth: _Truth | None = None
+    on_end: Callable[[Attempt], None] = lambda attempt: None
+    meaning: Mapping[str, str] = field(default_factory=lambda: {"failure": "failure"})
+    attempts: list[Attempt] = field(default_factory=list)
+    _began: float = 0.0
+    _first: Failure | None = None
 
     def entered(self, path: str) -> None:
         """Begin an attempt, or ask what is held before the task checks it."""
-        if path == self._path:
-            self._began, self._first = self._clock(), None
+        if path == self.attempt:
+            self._began, self._first = self.clock(), None
             self.attempts.append(Attempt(len(self.attempts) + 1))
-        elif path == self._check and self.attempts:
-            truth = {} if self._truth is None else self._truth()
+        elif path == self.check and self.attempts:
+            truth = {} if self.truth is None else self.truth()
             self.attempts[-1].held = tuple(sorted(name for name, seen in truth.items() if seen.status == "held"))
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """Take note of which object a chosen grasp is for."""
-        if isinstance(value, Grasp) and self._truth is not None and self.attempts:
-            truth = self._truth()
+        if isinstance(value, Grasp) and self.truth is not None and self.attempts:
+            truth = self.truth()
             point = value.pose.position + value.pose.rotation()[:, 2] * 0.04
             flat = {n: float(np.linalg.norm(t.pose.position[:2] - point[:2])) for n, t in truth.items()}
             self.attempts[-1].target = min(flat, key=flat.__getitem__, default=None)
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
         """Record a step, or end the attempt."""
-        if path == self._path:
+        if path == self.attempt:
             self._end(outcome, failure)
-        elif path.startswith(self._path + "/") and self.attempts:
-            if path == self._check:
+        elif path.startswith(self.attempt + "/") and self.attempts:
+            if path == self.check:
                 self.attempts[-1].said = outcome
-            attempt, step = self.attempts[-1], path.removeprefix(self._path + "/")
+            attempt, step = self.attempts[-1], path.removeprefix(self.attempt + "/")
             attempt.steps.append((step, outcome if failure is None else f"{outcome}.{failure.code}"))
             if outcome == "success" and attempt.where.startswith(step + "/"):
                 attempt.where, self._first = "", None  # it has been dealt with, as by an `invert`
@@ -218,16 +213,16 @@ class AttemptRecorder(Observer):
 
     def interrupted(self, path: str) -> None:
         """End the attempt without an outcome."""
-        if path == self._path:
+        if path == self.attempt:
             self._end(None, None)
 
     def _end(self, outcome: str | None, failure: Failure | None) -> None:
         attempt = self.attempts[-1]
         attempt.outcome = outcome
         # A recovery that succeeded leaves a failed attempt without a reason of its own: what it recovered from is it.
-        attempt.failure = failure or (self._first if self._meaning.get(outcome or "") == "failure" else None)
-        attempt.duration = self._clock() - self._began
-        self._on_end(attempt)
+        attempt.failure = failure or (self._first if self.meaning.get(outcome or "") == "failure" else None)
+        attempt.duration = self.clock() - self._began
+        self.on_end(attempt)
 
 
 def attempt_line(attempt: Attempt) -> str:

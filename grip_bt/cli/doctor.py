@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import os
 import platform
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -20,6 +23,7 @@ from grip_bt.cli.terminal import tell
 from grip_bt.ros.environment import environment
 from grip_sim.cameras import render_support
 
+_APT = "apt-get install "
 _INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 
 
@@ -92,14 +96,32 @@ _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 
 def add_doctor(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON list")
+    fix = "run the commands that mend what is found: pip's, and as root the system's, else they are printed"
+    parser.add_argument("--fix", action="store_true", help=fix)
 
 
 def run_doctor(args: argparse.Namespace) -> int:
     """Print the findings; 1 when something that the demo needs is missing."""
     findings, lines = [check() for check in _CHECKS], []
+    if args.fix and _mended(findings):
+        findings = [check() for check in _CHECKS]
     for finding in findings:
         lines.append(f"{_MARK[finding.state]}  {finding.part:<12} {finding.detail}")
         if finding.state != "ok" and finding.remedy:
             lines.append(f"      {'':<12} fix: {finding.remedy}")
     tell(args.json, [asdict(f) for f in findings], lines)
     return int(any(f.state != "ok" and f.needed for f in findings))
+
+
+def _mended(findings: list[Finding]) -> bool:
+    """Run what mends findings, as far as it is one command of pip or apt; return whether there was something to run."""
+    remedies = {finding.remedy for finding in findings if finding.state != "ok"}
+    extras = sorted(set(re.findall(r"grip-bt\[(\w+)\]", " ".join(remedies))))
+    packages = sorted({name for each in remedies if _APT in each for name in each.split(_APT)[1].split()})
+    commands = [[sys.executable, "-m", "pip", "install", f"grip-bt[{','.join(extras)}]"]] if extras else []
+    if packages and os.geteuid() == 0:
+        commands.append(["apt-get", "install", "-y", *packages])
+    for command in commands:
+        print(f"$ {shlex.join(command)}", file=sys.stderr, flush=True)
+        subprocess.run(command, check=False, stdout=sys.stderr)  # what it didn't mend is found again
+    return bool(commands)

@@ -16,7 +16,7 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError, listing
 from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.cli.parser import add_no_code
-from grip_bt.cli.terminal import put
+from grip_bt.cli.terminal import Bar, put
 from grip_bt.formats.imported import Imported, Request, generated_by, write_generated
 from grip_bt.nodes.tree_code import is_tree_code
 from grip_bt.task import Task, dumps
@@ -68,20 +68,21 @@ def run(args: argparse.Namespace) -> int:
     _check_options(args)
     around = find_project(args.path)
     project = _project_at(_folder(args.output)) if args.output is not None else around
-    imported = import_module(f"grip_bt.formats.{_PACKAGES[args.source]}").read(
-        Request(
-            args.path,
-            lambda: catalogue_of(project),
-            _nodes(project),
-            bound=around.folder if (around.folder / "grip.yaml").is_file() else None,
-            select=args.machine or "",
-            execute=args.execute,
-            arguments=_arguments(args.arguments),
-            success=tuple(args.success or ()),
-            progress=_progress,
-            more=tuple(args.more),
+    with Bar("files") as bar:
+        imported = import_module(f"grip_bt.formats.{_PACKAGES[args.source]}").read(
+            Request(
+                args.path,
+                lambda: catalogue_of(project),
+                _nodes(project),
+                bound=around.folder if (around.folder / "grip.yaml").is_file() else None,
+                select=args.machine or "",
+                execute=args.execute,
+                arguments=_arguments(args.arguments),
+                success=tuple(args.success or ()),
+                progress=bar,
+                more=tuple(args.more),
+            )
         )
-    )
     if args.report or args.output is not None or args.source not in _ONE:
         put(imported.text())
     else:
@@ -114,12 +115,6 @@ def _arguments(path: Path | None) -> Mapping[str, Mapping[str, Any]]:
         )
     for_all = {name: value for name, value in given.items() if not isinstance(value, dict)}
     return {"": for_all, **{name: each for name, each in given.items() if isinstance(each, dict)}}
-
-
-def _progress(done: int, every: int, name: str) -> None:
-    if sys.stderr.isatty() and every > 1:
-        sys.stderr.write(f"\r{done} of {every} files; {name:<50.50}" if done < every else "\r" + " " * 80 + "\r")
-        sys.stderr.flush()
 
 
 def _folder(output: Path) -> Path:

@@ -41,12 +41,13 @@ VERBS = {
     "object": "list, show and check things that worlds hold, bring in other people's meshes",
     "world": "list, show, picture and check simulated worlds, make one of your own",
     "teach": "remember where an arm or a hand is now, under a name",
-    "doctor": "check the installation, and say how to fix it",
+    "docs": "open the documentation in a browser, offline",
+    "doctor": "check the installation, and say how to fix it, or fix it",
     "completion": "print what makes bash, zsh or fish complete verbs and options",
     "help": "show how a verb is used, or `all` verbs",
 }
 """What each does, for the list of them; its module is loaded when the verb is named."""
-FIRST = ("demo", "new", "edit", "run", "check", "import", "bench", "doctor")
+FIRST = ("demo", "new", "edit", "run", "check", "import", "bench", "docs", "doctor")
 """What a newcomer is shown."""
 _MODULES = {
     "import": "import_",

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import Any, TextIO
+from typing import Any, Self, TextIO, cast
 
 from . import INVALID
 
@@ -93,6 +96,54 @@ def progress(part: str, detail: str) -> None:
     """Say that a part starts, or came up: it may take a while."""
     if not quiet:
         print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)
+
+
+SOON, EVERY = 2.0, 0.5
+"""After how long a bar comes up, and how often it is drawn [s]."""
+
+
+class Bar:
+    """A line at the foot of a terminal that says how far something is, once it takes a while.
+
+    Nothing is written where stderr isn't a terminal, or with `-q`. Use it as a context: the line goes with it.
+    """
+
+    def __init__(self, what: str):
+        self._what, self._began, self._at, self._shown = what, time.monotonic(), (0, 0, ""), False
+        self._over, self._drawing = threading.Event(), cast("threading.Thread | None", None)
+
+    def __enter__(self) -> Self:
+        if sys.stderr.isatty() and not quiet:
+            self._drawing = threading.Thread(target=self._draw, daemon=True)
+            self._drawing.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        if self._drawing is not None:
+            self._drawing.join()
+        self.clear()
+
+    def __call__(self, done: int, every: int, name: str = "") -> None:
+        """Say that so many of all are done, and what is under way."""
+        self._at = done, every, name
+
+    def clear(self) -> None:
+        """Take the line away for a moment, for what is printed next."""
+        if self._shown:
+            sys.stderr.write("\r\033[K")
+            self._shown = False
+
+    def _draw(self) -> None:
+        while not self._over.wait(EVERY):
+            (done, every, name), passed = self._at, time.monotonic() - self._began
+            if passed < SOON or not every:
+                continue
+            left = f", {passed / done * (every - done):.0f} s left" if done else f", {passed:.0f} s"
+            words = f"{self._what} [{'#' * (20 * done // every):.<20}] {done} of {every}{left}  {name}"
+            sys.stderr.write(f"\r\033[K{words[: shutil.get_terminal_size().columns - 1]}")
+            sys.stderr.flush()
+            self._shown = True
 
 
 def on_stop(stop: Callable[[], object]) -> None:

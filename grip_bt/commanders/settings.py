@@ -29,7 +29,7 @@ SOLVERS = ("damped_least_squares", "trac_ik")
 class MotionSettings(BaseModel):
     """How an arm is asked to move; the defaults are those of a project."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     planner: str = "RRTConnect"
     """A planner of OMPL, such as `RRTConnect` or `BiTRRT`; `move_group` for MoveIt's."""

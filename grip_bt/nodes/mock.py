@@ -18,7 +18,7 @@ from .leaf import Leaf
 class MockStep(BaseModel):
     """How activations of a mocked node go, as a file says it."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
     outcome: str = "success"
     """Label of the outcome."""
     code: str = ""

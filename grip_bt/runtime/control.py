@@ -1,4 +1,4 @@
-"""Control of a run over two streams: one JSON object a line, commands in, events out; see `docs/running.md`."""
+"""Control of a run over two streams: one JSON object a line, commands in, events out; see `docs/protocols.md`."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The `smach` library again: the same names, the same sub-modules, the same results, on Python 3 and without ROS.
 
 Legacy machines run on it unchanged: `install()` makes this package the module `smach` of the process. What differs from
-upstream, noetic 2.5.x, on purpose is listed in docs/smach.md, each with its test.
+upstream, noetic 2.5.x, on purpose is listed in docs/compatibility.md, each with its test.
 """
 
 import sys

@@ -41,6 +41,7 @@ LOOK = {
     "new",
     "apply",
     "interfaces",
+    "docs",
     "doctor",
     "completion",
     "help",

@@ -17,7 +17,6 @@ from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
 from grip_bt.task.catalog.component_file import ProcessConfig
 from grip_bt.task.catalog.ros_config import RosRobotConfig, SensorConfig
-from grip_sim.worlds import read_world
 
 if TYPE_CHECKING:
     from grip_bt.commanders.description.robot import RobotDescription
@@ -157,6 +156,8 @@ def _with_robot_of_world(file: ProjectFile, folder: Path) -> ProjectFile:
     """Return a file that names no robot with the robot of its world; a wrong world is told of elsewhere."""
     if file.robot is not None or file.world is None:
         return file
+    from grip_sim.worlds import read_world
+
     try:
         world, path = read_world(file.world, folder)
     except GripError:

@@ -178,7 +178,7 @@ RosName = Annotated[str, StringConstraints(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+
 class Settings(BaseModel):
     """A part of a settings file: frozen, and nothing else is allowed in it."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]

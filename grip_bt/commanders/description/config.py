@@ -12,7 +12,7 @@ SOURCES = ("urdf", "xacro", "mjcf", "moveit", "ready", "arm", "robots")
 
 
 class _Config(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 class _Placed(_Config):

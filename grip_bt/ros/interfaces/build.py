@@ -57,6 +57,7 @@ def build_interfaces(
     cache: Path | None = None,
     overlays: Sequence[Path] = (),
     begun: Callable[[str], None] = lambda package: None,
+    progress: Callable[[int, int, str], None] = lambda done, every, package: None,
 ) -> list[Built]:
     """Build the interface packages in a folder, those that others need first.
 
@@ -64,6 +65,7 @@ def build_interfaces(
         cache: where built packages are kept; the user's cache by default.
         overlays: prefixes with further packages that these need.
         begun: told the name of each package that isn't in the cache, before it is built.
+        progress: told how many packages are there, of how many, and which comes next.
 
     Raises:
         DocumentError: a file of a package is wrong; it says which, where and why.
@@ -79,6 +81,7 @@ def build_interfaces(
     beside = {package.name for package in packages}
     for package in packages:
         check_package(package, prefixes, beside)
+        progress(len(built), len(packages), package.name)
         needed = [hashes.get(name) or _installed_hash(name, prefixes) for name in sorted(package.depends)]
         digest = hashes[package.name] = content_hash(package, list(filter(None, needed)))
         prefix = cache / digest

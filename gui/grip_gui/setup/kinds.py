@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -58,6 +59,8 @@ def _trajectories(file: Path, text: str) -> object:
     return read_trajectories(file, read_joint_states(states) if states.is_file() else {}, text)
 
 
+_SHAPES = json.loads(Path(__file__).with_name("shapes.json").read_text("utf-8"))
+"""Made from the models by tools/settings_reference.py, since only their sources say what each key means."""
 _SAID = to_data(parse(Path(__file__).with_name("kinds.yaml").read_text("utf-8")))
 
 
@@ -68,7 +71,7 @@ def _kind(name: str, check: Callable[[Path, str, YamlValue], list[Diagnostic]], 
 
 
 def _by_model(name: str, model: type[BaseModel]) -> Kind:
-    return _kind(name, lambda _file, _text, tree: check_model(tree, model)[1], shape=model.model_json_schema())
+    return _kind(name, lambda _file, _text, tree: check_model(tree, model)[1], shape=_SHAPES[name])
 
 
 PROJECT, COMPONENT = _by_model("project", ProjectFile), _by_model("component", ComponentFile)

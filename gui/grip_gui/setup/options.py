@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from grip_bt.app.project.catalogue import project_parts_of
 from grip_bt.app.project.folder import find_project
+from grip_bt.app.project.parts import project_parts_of
 from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.base.message_store import STANDARD
 from grip_bt.base.yaml.models import Diagnostic, find
