@@ -9,8 +9,9 @@ from typing import Protocol
 
 import numpy as np
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.base.failures import ExecutionAbortedError, OutOfLimitsError
+from grip_bt.base.failures import ExecutionAbortedError, OutOfLimitsError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import FREEDOMS, Executor
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
@@ -86,6 +87,7 @@ class ArmCommander:
         executor: moves the joints of the arm's group.
         scene: what plans avoid.
         others: returns the measured states of the arm's hand and of the robot's other parts: obstacles, too.
+        wrench: returns what a sensor at the wrist bears; see `ports.Arm.wrench`.
     """
 
     def __init__(
@@ -96,7 +98,9 @@ class ArmCommander:
         executor: Executor,
         scene: PlanningScene,
         others: Callable[[], Sequence[JointState]] = tuple,
+        wrench: Callable[[], Array] | None = None,
     ):
+        self._wrench = wrench
         self._name, self._group, self._hand, self._settings = setup.name, setup.group, setup.hand, setup.settings
         self._more_states, self._taught = setup.states, setup.taught
         self._model, self._planner, self._executor = model, planner, executor
@@ -114,6 +118,14 @@ class ArmCommander:
 
     def grasp_pose(self) -> Pose:
         return self._model.grasp_pose(self._executor.state(), group=self._group)
+
+    def wrench(self) -> Array:
+        if self._wrench is None:
+            raise SensorError(
+                f"arm {self._name!r} has no force-torque sensor; over ROS, name its topic:"
+                f" `ros: {{controllers: {{{self._name}: {{..., wrench: /TOPIC}}}}}}`"
+            )
+        return self._wrench()
 
     def named_states(self) -> Mapping[str, JointState]:
         return {**self._taught.states(self._name), **self._described_states()}

@@ -12,9 +12,9 @@ import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.base.failures import NoContactError
+from grip_bt.base.failures import NoContactError, SensorError
 from grip_bt.base.operation import Operation
-from grip_bt.base.ports import HandPort
+from grip_bt.base.ports import HandPort, Touch
 from grip_bt.base.values import JointState
 from grip_bt.base.values.joints import Closing, Span
 
@@ -88,6 +88,7 @@ class HandCommander:
         reach: returns the posture, near another, that brings fingertips or links to positions in a frame; see
             `kinematics.fingertips.fingertip_posture`. Without it, the hand's geometry isn't known.
         spans: likewise, what is between the fingers in postures; see `kinematics.spans.spans_of`.
+        touch: what the hand feels; without it, contacts are the port's, and slip isn't known.
     """
 
     def __init__(
@@ -100,7 +101,9 @@ class HandCommander:
         taught: TaughtStates | None = None,
         reach: Reach | None = None,
         spans: SpansOf | None = None,
+        touch: Touch | None = None,
     ):
+        self._touch = touch
         self._reach, self._measure, self._spans = reach, spans, tuple[Span, ...]()
         self._name, self._port, self._postures = name, port, dict(postures)
         self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
@@ -123,7 +126,13 @@ class HandCommander:
 
     def contacts(self) -> Mapping[str, float]:
         """Return the contact force [N] of each link of the hand that touches something, from 0.1 N on."""
-        return {link: force for link, force in self._port.contacts().items() if force >= TOUCH}
+        felt = self._port.contacts() if self._touch is None else self._touch.contacts()
+        return {link: force for link, force in felt.items() if force >= TOUCH}
+
+    def slips(self) -> Mapping[str, float]:
+        if self._touch is None:
+            raise SensorError(f"hand {self._name!r} has no sensors of slip; over ROS, `ros: controllers` names them")
+        return self._touch.slips()
 
     def open(self, posture: JointState | str = "open") -> Operation[JointState]:
         return self.move(posture, seconds=OPENING_TIME)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from grip_bt.base.errors import UnknownNameError, listing
-from grip_bt.base.failures import NameTakenError, NotTaughtError
+from grip_bt.base.failures import NameTakenError, NotTaughtError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm
 from grip_bt.base.values import JointState, PathConstraint, Pose
@@ -174,6 +174,17 @@ class ReadPose(ArmLeaf):
 
     def update(self) -> Status:
         return self.end(pose=self.arm.grasp_pose())
+
+
+class ReadWrench(ArmLeaf):
+    """Hand out what the sensor at the wrist bears."""
+
+    def update(self) -> Status:
+        zero: list[float] = self.read("zero") or [0.0] * 6
+        try:
+            return self.end(wrench=(self.arm.wrench() - zero).tolist())
+        except SensorError as error:
+            return self.fail(error.code, error.message)
 
 
 class Teach(ArmLeaf):

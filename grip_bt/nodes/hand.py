@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grip_bt.base.errors import listing
-from grip_bt.base.failures import NameTakenError, NotTaughtError
+from grip_bt.base.failures import NameTakenError, NotTaughtError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Hand
 from grip_bt.base.values import Grasp, JointState
@@ -58,8 +58,9 @@ class ReadState(HandLeaf):
     """Hand out the hand's measured joints, and how hard its links press."""
 
     def update(self) -> Status:
-        forces = self.hand.contacts() if "forces" in self.writers else {}
-        return self.end(state=self.hand.state(), forces=dict(forces))
+        asked = not self.writers.keys().isdisjoint(("forces", "pressing"))
+        forces = dict(self.hand.contacts()) if asked else {}
+        return self.end(state=self.hand.state(), forces=forces, pressing=sum(forces.values()) / 2)
 
 
 class _MovingHandLeaf(HandLeaf):
@@ -169,6 +170,33 @@ class KeepContact(HandLeaf):
         if now - self._lost_since < self.params["patience"]:
             return self.running("contact is lost")
         return self.fail("lost_contact", f"{len(links)} links touch something: {listing(links)}", links=links)
+
+
+LOOK = 0.02
+"""How often it is asked whether something slips [s]."""
+
+
+class WatchSlip(HandLeaf):
+    """Watch over a grasp: run while nothing slides along the hand's links, for some time or until interrupted."""
+
+    def initialise(self) -> None:
+        self._begun = self.context.clock.now()
+
+    def update(self) -> Status:
+        try:
+            speeds = dict(self.hand.slips())
+        except SensorError as error:
+            return self.fail(error.code, error.message)
+        slipping = sorted(link for link, speed in speeds.items() if speed >= self.params["speed"])
+        if slipping:
+            fastest = 1000 * max(speeds.values())
+            said = f"at {fastest:.0f} mm/s along {listing(slipping)}"
+            return self.fail("slipped", said, outputs={"speeds": speeds}, links=slipping)
+        now, seconds = self.context.clock.now(), self.params["seconds"]
+        if seconds is not None and now >= self._begun + seconds:
+            return self.end(speeds=speeds)
+        self.context.wake_at(now + LOOK)
+        return self.running("nothing slips")
 
 
 class TeachHand(HandLeaf):

@@ -132,7 +132,7 @@ class SimRobot:
     def hand_of(self, row: int) -> str:
         """Return the hand that a joint belongs to; the first where its group doesn't tell."""
         hands, groups = self.description.hands, self.description.groups
-        return next((hand for hand in hands if self._joints[row].name in groups.get(hand, ())), next(iter(hands)))
+        return next((hand for hand in hands if self._joints[row].name in groups.get(hand, ())), next(iter(hands), ""))
 
     def regulate(self, rows: Iterable[int], pressed: float, dt: float) -> None:
         """Let a hand's torques grow or sink towards their force, after a step of `dt` [s] in which it pressed [N].

@@ -308,6 +308,13 @@ class Server:
     def _measured(self, rows: Indices) -> Answer:
         return self.world.robot.measure(rows)._asdict() if rows.size else {}
 
+    def _call_feel(self, number: int, names: list[str], what: str) -> Answer:
+        """Say what the hand of some joints feels: `hand_contacts`, `slips` or `wrench`."""
+        if what not in ("hand_contacts", "slips", "wrench"):
+            raise LookupError(f"nothing feels {what!r}")
+        felt = getattr(self.world, what)(self.world.robot.hand_of(int(self.world.robot.rows(names)[0])))
+        return {"felt": felt.tolist() if isinstance(felt, np.ndarray) else felt}
+
     def _call_look(self, number: int, camera: str) -> Answer:
         frame = self.world.look(camera)
         age = self.world.time - frame.time
@@ -345,7 +352,6 @@ def _listed(pose: Pose) -> list[float]:
 
 
 ASKED: Mapping[str, Callable[[World], Answer]] = {
-    "contacts": lambda world: {"contacts": dict(world.hand_contacts())},
     "truth": lambda world: {"truth": [verdict.to_json() for verdict in judge(world)]},
     "measures": lambda world: {"measures": world.measures()},
     "fingerprint": lambda world: {"fingerprint": world.fingerprint()},

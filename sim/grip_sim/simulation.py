@@ -80,7 +80,7 @@ class SimExecutor(_Joints):
 
 
 class SimHand(_Joints):
-    """Implements `grip_bt.base.ports.HandPort`."""
+    """Implements `grip_bt.base.ports.HandPort` and `Touch`."""
 
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
@@ -95,7 +95,14 @@ class SimHand(_Joints):
         return _measured(self._client.move("move_hand", {"goal": goal}, **said))
 
     def contacts(self) -> Mapping[str, float]:
-        return self._client.ask("contacts").fields["contacts"]
+        return self._client.ask("feel", names=list(self._names), what="hand_contacts").fields["felt"]
+
+    def slips(self) -> Mapping[str, float]:
+        return self._client.ask("feel", names=list(self._names), what="slips").fields["felt"]
+
+    def wrench(self) -> tuple[str, Array]:
+        """Return what the hand bears from outside: force [N] and torque [N m], shape (6,), in `world`'s axes."""
+        return "world", np.array(self._client.ask("feel", names=list(self._names), what="wrench").fields["felt"])
 
 
 class SimCamera:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from grip_sim.physics import FIXED, SLIPPERY, SOLID, add_model, make_scene, mova
 from grip_sim.robot import SimRobot
 from grip_sim.shaking import MEASURE, Shaking
 from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, WorldSpec
+from grip_sim.touch import Slipping, wrist_wrench
 
 
 class Contact(NamedTuple):
@@ -86,6 +87,7 @@ class World:
         }
         mechanisms = self.articulated.values()
         self._touchable = frozenset(self._objects) | {link.name for each in mechanisms for link in each.links}
+        self._slipping = {hand: Slipping() for hand in self._fingers}
         self.steps = 0
         """How often it was advanced."""
         self._moved: set[str] = set()
@@ -169,27 +171,40 @@ class World:
             if np.linalg.norm(push) > TOUCH and self._moved.isdisjoint((one, two)):
                 yield Contact(one, two, (float(push[0]), float(push[1]), float(push[2])))
 
-    def hand_contacts(self) -> Mapping[str, float]:
-        """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
-        robot = {link.name for link in self.robot.links}
+    def hand_contacts(self, hand: str) -> Mapping[str, float]:
+        """Return the contact force [N] of each link of a hand that touches something that isn't the robot."""
+        robot, fingers = {link.name for link in self.robot.links}, {link.name for link in self._fingers.get(hand, ())}
         forces: dict[str, float] = {}
         for contact in self.contacts():
             for link, other in ((contact.first, contact.second), (contact.second, contact.first)):
-                if link in self.robot.hand_links and other not in robot:
+                if link in fingers and other not in robot:
                     forces[link] = forces.get(link, 0.0) + contact.force
         return forces
 
+    def slips(self, hand: str) -> Mapping[str, float]:
+        """Return how fast something slides along each link of a hand [m/s]; see `touch.Slipping`."""
+        return self._slipping[hand].speeds(self.time, self._holding(hand))
+
+    def wrench(self, hand: str) -> Array:
+        """Return what a hand bears from outside, shape (6,); see `touch.wrist_wrench`."""
+        touching = {name for contact in self.contacts() for name in contact[:2]}
+        return wrist_wrench(self.robot.body, self._fingers[hand], touching)
+
     def pressed(self, hand: str) -> float:
         """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other."""
-        total, fingers = 0.0, self._fingers[hand]
+        impulses = (sum(point.impulse for point in contact.points) for _, _, contact in self._holding(hand))
+        return sum(float(np.linalg.norm(impulse)) / self.spec.dt for impulse in impulses) / 2
+
+    def _holding(self, hand: str) -> Iterator[tuple[Any, Any, physx.PhysxContact]]:
+        """Yield the contacts of a hand's links and objects, with the link and the body."""
+        fingers = self._fingers[hand]
         for contact in self._scene.get_contacts():
             one, two = contact.bodies
             if (one in fingers) == (two in fingers):
                 continue  # names take their time, and most contacts are of others
-            other = (two if one in fingers else one).entity.name
-            if other in self._touchable and other not in self._moved:
-                total += float(np.linalg.norm(sum(point.impulse for point in contact.points))) / self.spec.dt
-        return total / 2
+            link, body = (one, two) if one in fingers else (two, one)
+            if body.entity.name in self._touchable and body.entity.name not in self._moved:
+                yield link, body, contact
 
     def measures(self) -> dict[str, float]:
         """Return the numbers that the referee has of articulated objects, such as `cabinet_opened`, and of a shake."""

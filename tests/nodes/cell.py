@@ -21,7 +21,9 @@ class Cell:
         self.arm = FakeArm("right", Pose((0.3, -0.4, 0.5)), self.schedule, script=script)
         self.port = FakeHand(OPEN, self.schedule)
         fingers = {"finger": ("finger",), "thumb": ("thumb",)}
-        self.hand = HandCommander("right_hand", self.port, {"open": OPEN, "closed": CLOSED}, fingers=fingers)
+        self.hand = HandCommander(
+            "right_hand", self.port, {"open": OPEN, "closed": CLOSED}, fingers=fingers, touch=self.port
+        )
         self.scene = PlanningScene({"right_hand": self.arm.grasp_pose}, {"table": ((1, 1, 0.1), Pose((0.5, 0, -0.05)))})
         context = world.context
         context._arm, context._hand, context._scene, context.clock = self.arm, self.hand, self.scene, self.clock

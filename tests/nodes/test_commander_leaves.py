@@ -364,6 +364,38 @@ def test_a_grasp_is_watched_until_contact_is_lost_for_longer_than_a_moment(cell)
     assert cell.clock.now() - begun == pytest.approx(0.3, abs=0.11)
 
 
+def test_a_grasp_is_watched_until_something_slips(cell):
+    cell.port.thing = JointState(OPEN.names, [0.5, 0.5])
+    cell.run(cell.leaf("hand/close"))
+    cell.run(cell.leaf("hand/read_state"))
+    assert cell.data["pressing"] == sum(cell.data["forces"].values()) / 2 > 0
+    assert cell.run(cell.leaf("hand/watch_slip", seconds=0.1)) == SUCCESS
+    watch = cell.leaf("hand/watch_slip")
+    for speed in (0.0, 0.004):
+        cell.port.slipping = speed
+        watch.tick_once()
+        assert watch.status.name == "RUNNING"
+        cell.clock.advance(0.1)
+    cell.port.slipping = 0.02
+    assert cell.run(watch) == ("FAILURE", "failure", "slipped")
+    assert cell.data["speeds"] == {"fingertip": 0.02}
+
+
+def test_a_wrist_is_read_and_compared_with_before(cell):
+    cell.arm.load = np.array([0.0, 0, -1.0, 0, 0, 0])
+    assert cell.run(cell.leaf("arm/read_wrench")) == SUCCESS
+    before = cell.data["wrench"]
+    cell.arm.load = np.array([0.0, 0, -3.0, 0, 0, 0])
+    assert cell.run(cell.leaf("arm/read_wrench", zero=before)) == SUCCESS
+    assert cell.data["wrench"] == [0.0, 0, -2.0, 0, 0, 0]
+
+
+def test_what_no_sensor_measures_is_said(cell):
+    cell.arm._wrench = cell.hand._touch = None
+    assert cell.run(cell.leaf("arm/read_wrench")) == ("FAILURE", "failure", "no_data")
+    assert cell.run(cell.leaf("hand/watch_slip")) == ("FAILURE", "failure", "no_data")
+
+
 def test_weak_or_few_contacts_may_not_count(cell):
     cell.port.thing = JointState(OPEN.names, [0.5, 0.5])
     cell.run(cell.leaf("hand/close"))

@@ -99,3 +99,28 @@ def test_each_of_two_hands_has_a_force_of_its_own():
     robot.press(rows[hands[0]], 3.0)
     assert set(robot.pressing()) == set(hands)
     assert len(hands) == 2
+
+
+@pytest.mark.parametrize(("name", "mass"), [("panda", 0.2), ("panda", 0.5), ("ur5_gripper", 0.2)])
+def test_what_is_held_weighs_at_the_wrist_and_slips_are_told_when_they_begin(name, mass):
+    """The wrist bears m g, the fingers sum to the squeeze, and 0.5 mm in 0.1 s is a slip; what is held is none."""
+    weight, squeeze = mass * 9.81, 2 * mass * 9.81
+    world, rows = held(0.5, squeeze, name, mass)
+    run(world, 0.5)
+    wrench = world.wrench("hand")
+    assert -wrench[2] == pytest.approx(weight, rel=0.01)
+    assert np.linalg.norm(wrench[:3]) == pytest.approx(weight, rel=0.05)
+    assert sum(world.hand_contacts("hand").values()) / 2 == pytest.approx(squeeze, rel=0.01)
+    world.slips("hand")
+    for _ in range(24):
+        run(world, 0.02)
+        assert max(world.slips("hand").values(), default=0.0) < 1e-3
+    world.robot.press(rows, 0.4 * weight)
+    heights = [world.object_pose("thing").position[2]]
+    while max(world.slips("hand").values(), default=0.0) < 5e-3:
+        for _ in range(5):
+            world.step()
+            heights.append(world.object_pose("thing").position[2])
+        assert heights[0] - heights[-1] < 2e-3, "it falls, and nobody says so"
+    sliding = len(heights) - int(np.argmax(heights[0] - np.array(heights) > 1e-4))
+    assert sliding * world.spec.dt <= 0.05

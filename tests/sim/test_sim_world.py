@@ -105,7 +105,7 @@ def test_the_table_bears_the_weight_of_each_object(settled):
 
 
 def test_a_hand_that_touches_nothing_has_no_contacts(settled):
-    assert settled.hand_contacts() == {}
+    assert settled.hand_contacts("hand") == {}
 
 
 def test_contacts_of_fingers_with_one_another_are_none_of_the_hand(settled):
@@ -115,7 +115,7 @@ def test_contacts_of_fingers_with_one_another_are_none_of_the_hand(settled):
     advance(settled, 1.0)
     links = settled.robot.hand_links
     assert any(c.first in links and c.second in links for c in settled.contacts())
-    assert settled.hand_contacts() == {}
+    assert settled.hand_contacts("hand") == {}
 
 
 def slid(make_world, friction, slope, seconds=1.0):

@@ -15,8 +15,9 @@ from grip_bt.app.project.faults import TAUGHT, check, common_states, faults_of_f
 from grip_bt.app.project.folder import ArmConfig, Project
 from grip_bt.app.wiring.parts import Opening, Resources, load_part
 from grip_bt.base.errors import GripError
+from grip_bt.base.failures import SensorError
 from grip_bt.base.operation import Operation
-from grip_bt.base.ports import Executor, HandPort
+from grip_bt.base.ports import Executor, HandPort, Touch
 from grip_bt.base.values import JointState, Plan, Pose
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.description.robot import RobotDescription
@@ -87,10 +88,13 @@ def commanded(
     ports: Mapping[str, HandPort],
     room: Iterable[SceneObject] = (),
     regions: Mapping[str, tuple[Sequence[float], Pose]] | None = None,
+    touch: Mapping[str, Touch] | None = None,
+    wrists: Mapping[str, Callable[[], Measured]] | None = None,
 ) -> Resources:
     """Return the project's arms, hands and scene, with what stands in the room besides the project's `scene:`.
 
-    Regions are (edge lengths [m], pose of the middle in world) by name.
+    Regions are (edge lengths [m], pose of the middle in world) by name; `touch` is what hands feel, `wrists` what the
+    sensors at the ends of arms measure.
     """
     project, file = opening.project, opening.project.file
     model = opening.equipment.get(f"model {description.name}", description, lambda _: RobotModel(description))
@@ -106,6 +110,7 @@ def commanded(
             taught=taught,
             reach=partial(_reached, model, hand.group, carried_by.get(name, "")),
             spans=partial(spans_of, model, hand.group, model.grasp_frame_of(carried_by.get(name, ""))),
+            touch=(touch or {}).get(name),
         )
         for name, hand in file.hands.items()
     }
@@ -158,10 +163,26 @@ def commanded(
             executors[arm],
             scene,
             partial(_others, states, arm, hand),
+            partial(_in_world, model, executors[arm], wrists[arm]) if wrists and arm in wrists else None,
         )
         for arm, hand in hand_of.items()
     }
     return Resources(arms=arms, hands=hands, scene=scene)
+
+
+Measured = tuple[str, NDArray[np.float64]]
+"""Force and torque, shape (6,), in a link's axes or `world`'s, whose name comes first."""
+
+
+def _in_world(model: RobotModel, executor: Executor, measure: Callable[[], Measured]) -> NDArray[np.float64]:
+    """Return what is measured at a wrist in world's axes."""
+    frame, wrench = measure()
+    if frame == "world":
+        return wrench
+    places = model.link_poses(executor.state())
+    if frame not in places:
+        raise SensorError(f"the wrench is measured in {frame!r}, which is no link of the robot")
+    return np.asarray((wrench.reshape(2, 3) @ places[frame].rotation().T).ravel())
 
 
 def _reached(
@@ -274,14 +295,17 @@ def open_simulated(opening: Opening, stack: ExitStack) -> Resources:
     lockstep = Lockstep(simulation) if opening.pace is None else None
     if lockstep is not None:
         plans = InTurn(plans, lockstep, patient=True)
+    hands = {name: simulation.hand(hand.group) for name, hand in file.hands.items()}
     parts = commanded(
         opening,
         robot.description,
         plans,
         {name: simulation.executor(arm.group) for name, arm in file.arms.items()},
-        {name: simulation.hand(hand.group) for name, hand in file.hands.items()},
+        hands,
         room_of(spec),
         regions_of(spec),
+        hands,
+        {name: hands[arm.hand].wrench for name, arm in file.arms.items() if arm.hand},
     )
     cameras = {name: simulation.camera(s.camera) for name, s in file.sensors.items() if s.camera is not None}
     robot.wait_until_ready(opening)

@@ -182,6 +182,7 @@ def _hand(
         taught=taught,
         reach=lambda targets, posture, frame: posture,  # a fake has no geometry: it is there already
         spans=_spans,
+        touch=port,
     )
     return port, commander
 

@@ -25,6 +25,8 @@ from grip_bt.ros.controllers import (
     JointStates,
     StreamedExecutor,
     TopicExecutor,
+    TopicTouch,
+    TopicWrench,
     TrajectoryExecutor,
 )
 from grip_bt.ros.frames import joints_of, mounted_frames
@@ -75,7 +77,10 @@ def open_controllers(opening: Opening, stack: ExitStack) -> Resources:
         name: PausableExecutor(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone
     }
     ports = {name: PausableHand(controllers.hand(name, joints[name])) for name in file.hands}
-    parts = commanded(opening, robot.description, planner, executors, ports)
+    told, stale = settings.controllers, settings.stale
+    touch = {name: TopicTouch(bus, ports[name], told[name], stale) for name in file.hands}
+    wrists = {n: TopicWrench(bus, topic, stale) for n in alone if (topic := told[n].wrench) is not None}
+    parts = commanded(opening, robot.description, planner, executors, ports, touch=touch, wrists=wrists)
     cameras = _cameras(project, settings, bus, progress)
     robot.wait_until_ready(opening)
     watchdog.wait_ready(settings.ready)

@@ -11,6 +11,7 @@ from .context import Pausable as Pausable
 from .context import Stepped as Stepped
 from .hands import Hand as Hand
 from .hands import HandPort as HandPort
+from .hands import Touch as Touch
 from .motion import FREEDOMS as FREEDOMS
 from .motion import Arm as Arm
 from .motion import Executor as Executor

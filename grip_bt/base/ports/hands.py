@@ -42,6 +42,21 @@ class HandPort(Protocol):
 
 
 @runtime_checkable
+class Touch(Protocol):
+    """What a hand feels with sensors of its own."""
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the contact force [N] of each link that touches something; see `HandPort.contacts`."""
+
+    def slips(self) -> Mapping[str, float]:
+        """Return how fast what a link touches slides along it [m/s], lately or since it was asked before.
+
+        Raises:
+            SensorError: nobody measures that.
+        """
+
+
+@runtime_checkable
 class Hand(Protocol):
     """What leaves ask of a hand."""
 
@@ -60,6 +75,9 @@ class Hand(Protocol):
 
     def contacts(self) -> Mapping[str, float]:
         """Return the contact force [N] of each link of the hand that touches something."""
+
+    def slips(self) -> Mapping[str, float]:
+        """Return how fast something slides along each link [m/s]; see `Touch.slips`."""
 
     def open(self, posture: JointState | str = "open") -> Operation[JointState]:
         """Open to a posture, given or named."""

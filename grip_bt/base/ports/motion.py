@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Literal, Protocol, get_args, runtime_checkable
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Plan, Pose, Trajectory
 from grip_bt.base.values.goals import Grasp, PathConstraint, WayPoint
@@ -74,6 +75,15 @@ class Arm(Protocol):
 
     def grasp_pose(self) -> Pose:
         """Return the measured pose of the hand's grasp frame in world."""
+
+    def wrench(self) -> Array:
+        """Return what a sensor at the wrist bears from outside: force [N], torque [N m], in world's axes, shape (6,).
+
+        The torque is about the sensor's origin.
+
+        Raises:
+            SensorError: there is no such sensor, or nothing was heard of it.
+        """
 
     def named_states(self) -> Mapping[str, JointState]:
         """Return the arm's named states, such as `home`."""

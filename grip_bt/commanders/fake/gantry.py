@@ -67,6 +67,9 @@ class FakeArm(ArmCommander):
             `execute`) -> what becomes of each such request; `plan_step` is asked while the arm is steered.
         taught: what was taught before; nothing when None.
         own: where the robot's own joints are at first; it has none when None.
+
+    Attributes:
+        load: what its wrist bears; see `ports.Arm.wrench`.
     """
 
     def __init__(
@@ -87,7 +90,8 @@ class FakeArm(ArmCommander):
         known = {"home": start, **(states or {})}
         setup = ArmSetup(name, "gantry", states=known, taught=taught if taught is not None else TaughtStates())
         planner = _GantryPlanner(name, start.names, scripts)
-        super().__init__(setup, _GantryGeometry(), planner, self._pausable, PlanningScene({}))
+        self.load = np.zeros(6)
+        super().__init__(setup, _GantryGeometry(), planner, self._pausable, PlanningScene({}), wrench=lambda: self.load)
 
     def put_back(self, position: Array) -> None:
         """Have the joints where they were, when nothing is under way.

@@ -17,7 +17,7 @@ BRAKING = 40.0
 
 
 class FakeHand:
-    """Implements `ports.HandPort`.
+    """Implements `ports.HandPort` and `ports.Touch`.
 
     Args:
         start: where the fingers are at first.
@@ -27,6 +27,9 @@ class FakeHand:
         script: what becomes of each motion; an error ends it where it begins.
         closed: where the joints are when the hand is closed, `start` being where it is open; when None, larger is more
             closed.
+
+    Attributes:
+        slipping: how fast the thing slides along the links that touch it [m/s].
     """
 
     def __init__(
@@ -48,6 +51,7 @@ class FakeHand:
         self.torque_limits: list[float | None] = []
         self.forces: list[float | None] = []
         self.thing = thing
+        self.slipping = 0.0
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -80,6 +84,9 @@ class FakeHand:
             return {}
         asked = self.forces[-1] if self.forces else None
         return dict(self._forces if asked is None else dict.fromkeys(self._forces, asked))
+
+    def slips(self) -> Mapping[str, float]:
+        return dict.fromkeys(self.contacts(), self.slipping) if self.slipping else {}
 
     def stop(self) -> None:
         self._joints.stop()

@@ -6,6 +6,7 @@ from .hands import ControlledHand, GripperHand
 from .joint_states import JointStates
 from .motion import RosExecutor
 from .streaming import StreamedExecutor, TopicExecutor
+from .touch import TopicTouch, TopicWrench
 from .trajectory import TrajectoryExecutor
 
 __all__ = [
@@ -16,5 +17,7 @@ __all__ = [
     "RosExecutor",
     "StreamedExecutor",
     "TopicExecutor",
+    "TopicTouch",
+    "TopicWrench",
     "TrajectoryExecutor",
 ]

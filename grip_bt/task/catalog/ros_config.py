@@ -162,6 +162,17 @@ WAYS = ("trajectory", "topic", "positions", "move_group", "gripper")
 """How a controller may be reached."""
 
 
+class SignalConfig(Settings):
+    """A number on a topic: a force, or how fast something slips."""
+
+    topic: RosName
+    """Name of the topic."""
+    message: str = "geometry_msgs/msg/WrenchStamped"
+    """ROS type of the topic."""
+    field: str = "wrench.force"
+    """Where the number is in the message, such as `data` or `data[2]`; of a vector it is the length."""
+
+
 class ControllerConfig(Settings):
     """The controller of one arm or hand; exactly one of the five ways to reach it."""
 
@@ -181,6 +192,12 @@ class ControllerConfig(Settings):
     """Its name in the controller manager, which then makes it active."""
     instead_of: tuple[str, ...] = ()
     """Controllers of the same joints, which the controller manager then deactivates."""
+    wrench: RosName | None = None
+    """Topic of geometry_msgs/msg/WrenchStamped of an arm's force-torque sensor, in a link's frame or in `world`."""
+    contacts: FrozenDict[str, SignalConfig] = FrozenDict()
+    """Link of a hand -> how hard it presses [N]."""
+    slips: FrozenDict[str, SignalConfig] = FrozenDict()
+    """Link of a hand -> how fast something slides along it [m/s]; of a truth value, 1 m/s or nothing."""
 
     @model_validator(mode="after")
     def _one_way(self) -> ControllerConfig:
