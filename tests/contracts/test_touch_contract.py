@@ -73,13 +73,12 @@ def ros(ros_robot: tuple[Any, Any]) -> Iterator[TouchRig]:
     from std_msgs.msg import Float64MultiArray
 
     from grip_bt.ros.controllers import TopicTouch, TopicWrench
-    from grip_bt.task.catalog.ros_config import SignalConfig
+    from grip_bt.task.catalog.ros_config import ControllerConfig, SignalConfig
 
     bus, _ = ros_robot
     slip = SignalConfig(topic="/touch/slip", message="std_msgs/msg/Float64MultiArray", field="data[1]")
-    hand = TopicTouch(
-        bus, FakeHand(JointState(("finger",), [0.0])), {"tip": SignalConfig(topic="/touch/tip")}, {"tip": slip}
-    )
+    told = ControllerConfig(positions="/f", contacts={"tip": SignalConfig(topic="/touch/tip")}, slips={"tip": slip})
+    hand = TopicTouch(bus, FakeHand(JointState(("finger",), [0.0])), told, PATIENCE)
     wrench, said = TopicWrench(bus, "/touch/wrist", PATIENCE), {"tip": 0.0, "slip": 0.0}
 
     def say(**changed: float) -> None:
@@ -98,8 +97,8 @@ def ros(ros_robot: tuple[Any, Any]) -> Iterator[TouchRig]:
         except SensorError:
             return None
 
-    with pytest.raises(SensorError, match="/touch/slip: nothing was heard"):
-        hand.slips()
+    with pytest.raises(SensorError, match="/touch/silent: nothing was heard"):
+        TopicWrench(bus, "/touch/silent", PATIENCE)()
     say()
     yield TouchRig(hand, lambda: say(tip=2.0), lambda: say(slip=0.02), lambda: wrench()[1], [0, 0, -2])
 
