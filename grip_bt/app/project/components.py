@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import sys
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -34,12 +35,14 @@ class Wish:
         server: the name under which it is served; empty for one made from the interface's.
         name: the component's; empty for one made from the server's.
         package: folder of the interface package, to be copied; None for an installed one.
+        script: what serves it in its own repository, where that was found.
     """
 
     interface: InterfaceSpec
     server: str = ""
     name: str = ""
     package: Path | None = None
+    script: Path | None = None
 
 
 def from_file(path: Path) -> Wish:
@@ -52,6 +55,20 @@ def from_file(path: Path) -> Wish:
         reason = f"an interface belongs to a package, whose name is part of its type: put the file into {where}"
         raise DocumentError(reason, str(path))
     return Wish(read_interface(path), package=package)
+
+
+def served_in(wish: Wish) -> Wish:
+    """Find the Python script of an interface's own repository that serves it, and under which name; read, never run."""
+    home = wish.package
+    if home is None:
+        return wish
+    root = next((folder for folder in (home, *home.parents) if (folder / ".git").exists()), home)
+    kind = r"create_service\(\s*" if wish.interface.kind == "srv" else r"ActionServer\(\s*[\w.]+\s*,\s*"
+    served = re.compile(rf"""{kind}(?:[\w.]+\.)?{wish.interface.name}\s*,\s*['"]([\w/~]+)['"]""")
+    for file in sorted(root.rglob("*.py")):
+        if found := served.search(file.read_text("utf-8", errors="replace")):
+            return replace(wish, server=f"/{found[1].lstrip('/~')}", script=file)
+    return wish
 
 
 def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish:

@@ -21,6 +21,7 @@ from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.configurations import Configurations, configured_packages, is_configured
 from grip_bt.commanders.description.files import Finding, errors
 from grip_bt.commanders.description.from_files import Inspected
+from grip_bt.commanders.description.launched import is_launch_file
 from grip_bt.commanders.description.load import PROJECT, config_of, inspect_robot
 from grip_bt.commanders.description.packages import MANIFEST, ROBOTS, Packages, name_of_package, package_around
 from grip_bt.commanders.description.robot import RobotDescription
@@ -50,7 +51,7 @@ def new_robot(source: str, folder: Path, choose: Choose, *, by_package: bool = F
     """Return the files of a project.
 
     Args:
-        source: a ready-made robot's name, a robot's file, the folder of a MoveIt configuration or description package
+        source: a ready-made robot's name, a robot's file or a launch file that brings it up, the folder of a MoveIt configuration or description package
             or of a workspace with some, or such a package's name.
         folder: of the project, which `grip.yaml` begins its paths in.
         choose: asked where there are several.
@@ -75,7 +76,7 @@ def new_robot(source: str, folder: Path, choose: Choose, *, by_package: bool = F
     known = {group: {**named, **({"home": homes[group]} if group in homes else {})} for group, named in states.items()}
     taking = first_grasp(replace(robot, named_states=known), _key) if arms else {}
     world = "bench" if taking else "table" if source in ROBOTS else "empty"
-    grip = _grip_text(robot, lines, parts, inspected, world)
+    grip = _grip_text(robot, lines, parts, inspected, world) + _bringup(Path(source).expanduser().resolve(), folder)
     files = {"grip.yaml": grip, "tasks/first.yaml": fmt(_task_text(robot, parts, motions), "first.yaml"), **taking}
     return NewRobot(files, inspected.findings)
 
@@ -196,6 +197,15 @@ def _grip_text(robot: RobotDescription, lines: list[str], parts: _Parts, inspect
             topics = {"seen": {"topic": sensor.topic, "type": sensor.message}}
             text.append(f"  {name}: {_flow({'topics': topics, 'given_in': 'world'})}")
     return "\n".join([*text, f"world: {world}", ""])
+
+
+def _bringup(path: Path, folder: Path) -> str:
+    """Return the process by which `grip launch` starts the real robot, where a launch file told of it."""
+    if not is_launch_file(path):
+        return ""
+    home = package_around(path)
+    where = {"package": name_of_package(home), "launch": path.name} if home else {"launch": os.path.relpath(path, folder)}
+    return f"processes:\n  bringup: {_flow(where)}  # started by `grip launch`\n"
 
 
 def _task_text(robot: RobotDescription, parts: _Parts, motions: Mapping[str, FirstMotions]) -> str:

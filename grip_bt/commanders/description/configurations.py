@@ -66,11 +66,12 @@ class Configurations:
     Args:
         folder: the package.
         packages: where others are looked for.
+        hints: of its launch files, where they aren't those of the package.
     """
 
-    def __init__(self, folder: Path, packages: Packages):
+    def __init__(self, folder: Path, packages: Packages, hints: Hints | None = None):
         self.folder, self.packages = folder, packages
-        self.hints = hints_of(folder)
+        self.hints = hints or hints_of(folder)
         self.assistant = _assistant(folder)
         self._declared: dict[Path, Declared] = {}
 

@@ -66,12 +66,21 @@ class Hints:
 
 def hints_of(folder: Path) -> Hints:
     """Return what the launch files of a package say."""
-    hints, texts = Hints(), []
-    for path in sorted((folder / "launch").rglob("*")):
-        if path.suffix in (".py", ".launch", ".xml") and path.is_file() and path.stat().st_size <= LARGEST:
-            note(path)
-            texts.append(_COMMENT.sub("", path.read_text(encoding="utf-8", errors="replace")))
-    text = "\n".join(texts)
+    files = sorted((folder / "launch").rglob("*"))
+    return hints_in("\n".join(read_launch(p) for p in files if p.suffix in (".py", ".launch", ".xml")))
+
+
+def read_launch(path: Path) -> str:
+    """Return a launch file's text without comments; empty of what is no file, or too large for one."""
+    if not path.is_file() or path.stat().st_size > LARGEST:
+        return ""
+    note(path)
+    return _COMMENT.sub("", path.read_text(encoding="utf-8", errors="replace"))
+
+
+def hints_in(text: str) -> Hints:
+    """Return what the texts of launch files say."""
+    hints = Hints()
     hints.files = _FILE.findall(text)
     hints.packages = ["".join(found) for found in _PACKAGES.findall(text)]
     for name, value in _found(_DEFAULTS, text):

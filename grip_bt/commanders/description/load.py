@@ -19,6 +19,7 @@ from .compose import in_one_world, namespaced, on_arm
 from .config import RobotConfig
 from .files import Finding, errors, finding_of, note
 from .from_files import Inspected, load_single
+from .launched import is_launch_file, robot_of_launch
 from .robot import RobotDescription
 
 PROJECT = "grip.yaml"
@@ -145,8 +146,8 @@ def _renamed(inspected: Inspected, config: RobotConfig, file: str) -> Inspected:
 def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
     """Return the configuration that a path stands for, and the folder that its relative paths begin in.
 
-    `*.urdf`, `*.xacro` and `*.xml` (URDF or MJCF) are robots by themselves, `*.yaml` holds a configuration; a project's
-    and a world's file under `robot:`. A folder is a project, or a MoveIt configuration package.
+    `*.urdf`, `*.xacro` and `*.xml` (URDF or MJCF) are robots by themselves, a launch file names one, `*.yaml` holds a
+    configuration; a project's and a world's file under `robot:`. A folder is a project, or a MoveIt configuration package.
 
     Raises:
         UnknownNameError: there is neither such a file nor such a ready-made robot.
@@ -162,12 +163,14 @@ def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
         if "/" in word or path.suffix:
             raise DocumentError("there is no such file", str(path))
         raise UnknownNameError("robot", word, ROBOTS, where="not a file, and not a ready-made robot")
+    if is_launch_file(path):
+        return robot_of_launch(path), path.parent
     if path.suffix in (".urdf", ".xacro", ".xml"):
         return RobotConfig(**{_kind(path): str(path)}), path.parent
     if path.suffix in (".yaml", ".yml"):
         return _of_yaml(path), path.parent
     raise DocumentError(
-        "a robot is a .urdf, .xacro, .xml (URDF or MJCF) or .yaml file, or a MoveIt package's folder", str(path)
+        "a robot is a .urdf, .xacro, .xml (URDF or MJCF), .yaml or launch file, or a MoveIt package's folder", str(path)
     )
 
 

@@ -6,9 +6,11 @@ An interface that was pasted or named is on its way to a component: its fields, 
 from __future__ import annotations
 
 import asyncio
+import os
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
@@ -18,7 +20,7 @@ from fastapi import APIRouter, Query
 from fastapi.responses import FileResponse
 from pydantic import ValidationError
 
-from grip_bt.app.project.components import Wish, components_folder, from_file, make_component
+from grip_bt.app.project.components import Wish, components_folder, from_file, make_component, served_in
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import ContractError, DocumentError, GripError
 from grip_bt.base.yaml.models import check_model, diagnostic_of
@@ -35,7 +37,7 @@ from grip_gui.runs.journal import JournalRuns
 from grip_gui.setup import beginning
 from grip_gui.setup.kinds import kind_of
 from grip_gui.setup.options import names_of
-from grip_gui.setup.settings_store import SettingsStore, keep_value
+from grip_gui.setup.settings_store import SettingsStore, keep_value, set_value
 from grip_gui.wire import setup as wire
 from grip_gui.wire.setup import FieldView, InterfaceRequest, InterfaceView
 
@@ -182,7 +184,7 @@ def look_at(folder: ProjectFolder, request: InterfaceRequest) -> InterfaceView:
     The project's own interface packages are known besides the installed ones.
     """
     with _found(folder, request) as found:
-        return _view(folder, request, found.interface)
+        return _view(folder, request, found)
 
 
 def make(folder: ProjectFolder, request: InterfaceRequest) -> tuple[InterfaceView, Path]:
@@ -192,16 +194,21 @@ def make(folder: ProjectFolder, request: InterfaceRequest) -> tuple[InterfaceVie
         ContractError: something keeps it from being a component.
     """
     with _found(folder, request) as found:
-        view = _view(folder, request, found.interface)
+        view = _view(folder, request, found)
         if view.problems:
             raise ContractError(found.interface.type_name, view.problems)
-        named = Wish(found.interface, request.server, request.name, found.package)
+        named = replace(found, server=request.server or found.server, name=request.name)
         outcomes = request.outcomes or view.suggestion
         home = make_component(named, components_folder(folder.folder), outcomes, request.failures)
+        if found.script is not None:
+            file = home / "component.yaml"
+            command = ["{python}", os.path.relpath(found.script, home)]
+            file.write_text(set_value(file.read_text("utf-8"), ["start"], {"command": command}), "utf-8")
     return view.model_copy(update={"path": folder.relative(home / "component.yaml")}), home
 
 
-def _view(folder: ProjectFolder, request: InterfaceRequest, interface: InterfaceSpec) -> InterfaceView:
+def _view(folder: ProjectFolder, request: InterfaceRequest, found: Wish) -> InterfaceView:
+    interface = found.interface
     suggestion = suggested_outcomes(interface)
     sides = {"action": ("goal", "result"), "msg": ("message", "")}.get(interface.kind, ("request", "response"))
     fields = [
@@ -215,7 +222,7 @@ def _view(folder: ProjectFolder, request: InterfaceRequest, interface: Interface
         # Who has one of the contract's fields means the contract, and wants to know what it lacks.
         meant = any(f.name in (INPUT, OUTCOME, RETURNED) for f in (*interface.request, *interface.response))
         outcomes = parse_outcomes(request.outcomes or ("done,failed" if meant else suggestion))
-        text = component_text(interface, name, request.server or f"/{name}", outcomes, request.failures)
+        text = component_text(interface, name, request.server or found.server or f"/{name}", outcomes, request.failures)
         component, faults = check_model(parse(text), ComponentFile)
         problems = [message for message, _, _ in faults]
         if component is not None:
@@ -227,7 +234,9 @@ def _view(folder: ProjectFolder, request: InterfaceRequest, interface: Interface
     except GripError as error:
         problems = [str(error).removeprefix("--")]  # the command line's option is this page's field
     problems = [*_unknown_types(folder, interface), *problems]
-    return InterfaceView(fields=fields, problems=problems, suggestion=suggestion, text=text, path="", output="")
+    script = found.script.name if found.script else ""
+    told = {"type": interface.type_name, "server": found.server, "script": script}
+    return InterfaceView(fields=fields, problems=problems, suggestion=suggestion, text=text, path="", output="", **told)
 
 
 def _unknown_types(folder: ProjectFolder, interface: InterfaceSpec) -> Iterator[str]:
@@ -250,7 +259,12 @@ def _unknown_types(folder: ProjectFolder, interface: InterfaceSpec) -> Iterator[
 
 @contextmanager
 def _found(folder: ProjectFolder, request: InterfaceRequest) -> Iterator[Wish]:
-    """Give the interface, from an installed type or from a package made of what was pasted."""
+    """Give the interface: of a repository's file, an installed type, or a package made of what was pasted."""
+    if request.file:
+        if "\0" in request.file or not Path(request.file).is_absolute():
+            raise GripError(f"{request.file!r} is no path on this machine")
+        yield served_in(from_file(Path(request.file)))
+        return
     name = _TYPE.match(request.type.strip())
     if name is None:
         raise GripError(f"{request.type!r} isn't the name of an interface, such as my_interfaces/srv/PlanGrasp")

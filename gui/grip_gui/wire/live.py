@@ -225,6 +225,7 @@ class FrameView(Wire):
 
     link: str
     at: Place
+    group: str = ""  # of the arm that carries it
 
 
 class GeometryView(Wire):

@@ -88,11 +88,12 @@ class CommandResult(Wire):
 
 
 class InterfaceRequest(Wire):
-    """An interface to be wrapped: pasted, or the name of an installed type."""
+    """An interface to be wrapped: pasted, the name of an installed type, or a file in its own repository."""
 
     text: Annotated[str, Field(max_length=100_000)] = ""  # the .srv, .action or .msg file; empty for an installed type
-    type: Annotated[str, Field(max_length=300)]
+    type: Annotated[str, Field(max_length=300)] = ""
     """Such as `std_srvs/srv/Trigger`; of a pasted text, what it shall be called."""
+    file: Annotated[str, Field(max_length=1024)] = ""  # absolute; in place of text and type
     outcomes: Annotated[str, Field(max_length=2000)] = ""
     """`one,none`: names of 0, 1 ...; `2`; or `found: count > 0; none: true`. Empty to be told a suggestion."""
     failures: Annotated[list[Annotated[str, Field(max_length=200)]], Field(max_length=100)] = []
@@ -118,6 +119,9 @@ class InterfaceView(Wire):
     text: str  # the component file, as it would be written
     path: str  # the component file that was written; empty when none was
     output: str  # what generating said
+    type: str = ""
+    server: str = ""  # the name under which its repository serves it
+    script: str = ""  # what serves it there, from the repository; started with the component
 
 
 class RecordRequest(Wire):

@@ -206,6 +206,7 @@ export interface FormsView {
 export interface FrameView {
   link: string;
   at: number[];
+  group: string;
 }
 
 /** What the project's robot looks like. */
@@ -269,10 +270,11 @@ export interface ImportView {
   tasks: string[];
 }
 
-/** An interface to be wrapped: pasted, or the name of an installed type. */
+/** An interface to be wrapped: pasted, the name of an installed type, or a file in its own repository. */
 export interface InterfaceRequest {
   text: string;
   type: string;
+  file: string;
   outcomes: string;
   failures: string[];
   name: string;
@@ -288,6 +290,9 @@ export interface InterfaceView {
   text: string;
   path: string;
   output: string;
+  type: string;
+  server: string;
+  script: string;
 }
 
 /** Page to server: what people call this page, and what it shows. */

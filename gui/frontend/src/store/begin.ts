@@ -2,14 +2,15 @@
 import { create } from "zustand";
 
 import { lackingFor, NEEDS, NEW_COMPONENT, partsOf } from "../model/parts";
+import { valueAt } from "../model/shapes";
 import { server } from "../protocol/client";
 import type { BeginView } from "../protocol/generated";
 import { askChoice, type Option } from "./ask";
 import { openTask } from "./desk";
-import { setRobotOpen } from "./live";
+import { loadGeometry, setRobotOpen } from "./live";
 import { goToTree, usePage } from "./page";
 import { useRun } from "./run";
-import { openSetup, refreshed, report, saveSetup, isDirty, useSetup } from "./setup";
+import { openSetup, refreshed, report, saveSetup, setValue, isDirty, useSetup } from "./setup";
 import { useProject } from "./tasks";
 
 export interface BeginStore {
@@ -119,3 +120,55 @@ export function chooseRobot(): void {
   useBegin.setState({ choosing: true, made: null, error: "" });
   usePage.getState().setRoom("task");
 }
+
+// --- teaching: positions that a person keeps by moving the robot in the page, and a task that goes through them ---
+
+const NAME = /^[A-Za-z_]\w*$/;
+
+/** Write where a group of joints is into grip.yaml, as a named state; returns what came of it. */
+export async function keepState(group: string, name: string, at: Readonly<Record<string, number>>): Promise<string> {
+  if (!NAME.test(name)) return "A name has letters, digits and _, such as above_bin.";
+  await openSetup("grip.yaml");
+  const { view } = useSetup.getState();
+  if (view?.path !== "grip.yaml") return "";
+  const robot = valueAt(view.data, ["robot"]);
+  if (typeof robot === "string") await setValue(["robot"], { [sourceOf(robot)]: robot });
+  await setValue(["robot", "states", group, name], at);
+  if (!(await saveSetup())) return "It couldn't be saved.";
+  await loadGeometry();
+  return `${name} is kept.`;
+}
+
+function sourceOf(robot: string): string {
+  if (/\.(urdf|xacro)$/.test(robot)) return robot.endsWith("urdf") ? "urdf" : "xacro";
+  return /[/.]/.test(robot) ? "moveit" : "ready";
+}
+
+type Parts = Readonly<Record<string, { readonly group?: string }>>;
+
+/** Make a task of the named states that grip.yaml has, group by group in their order, and open it. */
+export async function taskThrough(): Promise<void> {
+  try {
+    const { data } = await server.setupFile("grip.yaml");
+    const children = (["arms", "hands"] as const).flatMap((kind) => {
+      const parts = (valueAt(data, [kind]) ?? {}) as Parts;
+      return Object.entries(parts).flatMap(([part, { group = kind === "arms" ? "arm" : "hand" }]) => {
+        const states = Object.keys((valueAt(data, ["robot", "states", group]) ?? {}) as object);
+        const node = kind === "arms" ? `arm/move_to, with: {arm: ${part}, state` : `hand/posture, with: {hand: ${part}, posture`;
+        return states.map((state) => `    ${part}_${state}: {node: ${node}: ${state}}}\n`);
+      });
+    });
+    if (children.length === 0) throw new Error("No position is kept yet: move the joints, name where they are, and keep it.");
+    const taken = new Set(useProject.getState().project?.tasks.map((task) => task.path));
+    let number = 1;
+    while (taken.has(pathOf(number))) number++;
+    const text = `grip: 1\nname: through${number === 1 ? "" : number}\ndoc: Go through the kept positions.\nroot:\n  kind: sequence\n  children:\n${children.join("")}`;
+    await server.newTask({ path: pathOf(number), text });
+    await refreshed();
+    await openFirst(pathOf(number));
+  } catch (error) {
+    report(error);
+  }
+}
+
+const pathOf = (number: number): string => `tasks/through${number === 1 ? "" : number}.yaml`;

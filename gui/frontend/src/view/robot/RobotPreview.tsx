@@ -4,6 +4,8 @@ import "./robot.css";
 import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef, useState } from "react";
 
 import type { GeometryView } from "../../protocol/generated";
+import { keepState, taskThrough } from "../../store/begin";
+import { isNear, makeReach } from "./reach";
 import { makeSpace, type Space } from "./space";
 
 interface PreviewProps {
@@ -17,7 +19,7 @@ export default function RobotPreview({ view, moves = false }: PreviewProps): JSX
   const space = useRef<Space | null>(null);
   const [error, setError] = useState("");
   const [joints, setJoints] = useState<ReadonlyMap<string, number>>(new Map());
-  useEffect(() => setJoints(new Map()), [view]);
+  useEffect(() => setJoints(new Map()), [view?.name]);
   useEffect(() => {
     if (!canvas.current || !view || view.error) return;
     try {
@@ -68,6 +70,7 @@ function Joints({ view, joints, set }: JointsProps): JSX.Element {
   return (
     <div className="scroll joints" tabIndex={0} role="group" aria-label="Joints and named states">
       <button onClick={() => set(new Map())}>All at rest</button>
+      {Object.entries(view.grasp).map(([hand, frame]) => frame.group !== "" && <Reach key={hand} view={view} hand={hand} joints={joints} set={set} />)}
       {Object.entries(view.groups).map(([group, names]) => (
         <details key={group} open={Object.keys(view.groups).length < 3 || names.length < 8}>
           <summary>
@@ -80,6 +83,7 @@ function Joints({ view, joints, set }: JointsProps): JSX.Element {
               </button>
             ))}
           </p>
+          <Keep group={group} names={names} view={view} joints={joints} />
           {names.map((name) => {
             const joint = known.get(name);
             if (!joint) return null;
@@ -101,6 +105,9 @@ function Joints({ view, joints, set }: JointsProps): JSX.Element {
           })}
         </details>
       ))}
+      <p>
+        <button onClick={() => void taskThrough()}>New task through the kept positions</button>
+      </p>
       <h3>What its files said</h3>
       {view.findings.length === 0 ? (
         <p className="phase-success">✓ Nothing had to be mended or left out.</p>
@@ -112,5 +119,66 @@ function Joints({ view, joints, set }: JointsProps): JSX.Element {
         </ul>
       )}
     </div>
+  );
+}
+
+/** Keep where a group is now, under a name that tasks can go to. */
+function Keep({ group, names, view, joints }: { group: string; names: readonly string[]; view: GeometryView; joints: ReadonlyMap<string, number> }): JSX.Element {
+  const [name, setName] = useState("");
+  const [said, setSaid] = useState("");
+  async function keep(): Promise<void> {
+    const at = Object.fromEntries(names.map((joint) => [joint, Number((joints.get(joint) ?? view.rest[joint] ?? 0).toFixed(4))]));
+    setSaid(await keepState(group, name.trim(), at));
+    setName("");
+  }
+  return (
+    <form
+      className="keep"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void keep();
+      }}
+    >
+      <input type="text" aria-label={`Name for where ${group} is now`} placeholder="name of this position" value={name} onChange={(event) => setName(event.target.value)} />
+      <button disabled={name.trim() === ""}>Keep</button>
+      <output className="hint">{said}</output>
+    </form>
+  );
+}
+
+const said = (numbers: readonly number[]): string => numbers.map((each) => String(Number(each.toFixed(3)))).join(", ");
+const read = (text: string): number[] | null => {
+  const numbers = text.split(/[\s,;]+/).filter(Boolean).map(Number);
+  return numbers.length === 3 && numbers.every(Number.isFinite) ? numbers : null;
+};
+
+/** Where a hand is, by numbers: the arm follows as far as it reaches. */
+function Reach({ view, hand, joints, set }: { view: GeometryView; hand: string; joints: ReadonlyMap<string, number>; set: JointsProps["set"] }): JSX.Element {
+  const arm = useMemo(() => {
+    const frame = view.grasp[hand];
+    return frame === undefined ? null : makeReach(view, frame);
+  }, [view, hand]);
+  const now = useMemo(() => arm?.where(joints), [arm, joints]);
+  const [fault, setFault] = useState("");
+  function go(part: "position" | "turn", text: string): void {
+    if (arm === null || now === undefined || text === said(now[part])) return;
+    const numbers = read(text);
+    if (numbers === null) return setFault("Three numbers, such as 0.4, 0, 0.3.");
+    const found = arm.reach({ ...now, [part]: numbers }, joints);
+    set(found.joints);
+    setFault(isNear(found) ? "" : `It doesn't get there: ${found.off[0].toFixed(3)} m and ${found.off[1].toFixed(2)} rad are left.`);
+  }
+  if (now === undefined) return <></>;
+  return (
+    <fieldset className="reach">
+      <legend>{hand} at</legend>
+      {(["position", "turn"] as const).map((part) => (
+        <label key={part}>
+          <span>{part === "position" ? "x, y, z [m]" : "roll, pitch, yaw [rad]"}</span>
+          <input type="text" key={said(now[part])} aria-label={part === "position" ? `Position of ${hand}` : `Orientation of ${hand}`} defaultValue={said(now[part])} onBlur={(event) => go(part, event.target.value)} onKeyDown={(event) => event.key === "Enter" && go(part, event.currentTarget.value)} />
+        </label>
+      ))}
+      {fault && <p className="doubt" role="alert">{fault}</p>}
+    </fieldset>
   );
 }

@@ -106,7 +106,7 @@ export function ImportForm(): JSX.Element {
 }
 
 const CONTRACT = "sensor_msgs/PointCloud2 input\n---\nint32 outcome\ngeometry_msgs/PoseStamped[] returned_object\n";
-const EMPTY: InterfaceRequest = { text: "", type: "", outcomes: "", failures: [], name: "", server: "", create: false };
+const EMPTY: InterfaceRequest = { text: "", type: "", file: "", outcomes: "", failures: [], name: "", server: "", create: false };
 const PAUSE = 400;
 
 export function InterfaceForm({ done }: { done: () => void }): JSX.Element {
@@ -114,8 +114,9 @@ export function InterfaceForm({ done }: { done: () => void }): JSX.Element {
   const [view, setView] = useState<InterfaceView | null>(null);
   const [refusal, setRefusal] = useState("");
   const [busy, setBusy] = useState(false);
+  const [lies, setLies] = useState(false);
   useEffect(() => {
-    if (!request.type.trim()) {
+    if (!request.type.trim() && request.file === "") {
       setView(null);
       setRefusal(request.text.trim() ? "Enter its name above, such as my_interfaces/srv/PlanGrasp, or my_interfaces/action/PlanGrasp." : "");
       return;
@@ -157,16 +158,35 @@ export function InterfaceForm({ done }: { done: () => void }): JSX.Element {
   return (
     <section className="setup-interface" aria-labelledby="interface-title">
       <h3 id="interface-title">A new component</h3>
+      <div className="segments" role="group" aria-label="Where its interface is">
+        <button aria-pressed={!lies} onClick={() => (setLies(false), setWish(EMPTY))}>Pasted, or installed</button>
+        <button aria-pressed={lies} onClick={() => (setLies(true), setWish(EMPTY))}>In its repository ...</button>
+      </div>
+      {lies ? (
+        <>
+          <p className="hint">Choose its .srv or .action. GRIP looks in the repository for what serves it; nothing of it is run before you try it.</p>
+          <FileBrowser fits={(entry) => entry.kind === "file" && /\.(srv|action)$/.test(entry.name)} chosen={request.file} choose={(file) => setWish({ ...EMPTY, file })} />
+          {view && (
+            <p role="status">
+              <code>{view.type}</code>
+              {view.script ? <>, served as <code>{view.server}</code> by <code>{view.script}</code>, which is started with the component</> : <>; nothing in its repository serves it: say below how it is called, and how it starts once it is there</>}
+            </p>
+          )}
+        </>
+      ) : (
+        <>
       <Text label="Interface" value={request.type} hint="such as my_interfaces/srv/PlanGrasp, or an installed type" set={(type) => change({ type })} />
       <div className="form-field">
         <label htmlFor="interface-text">Its .srv or .action</label>
         <textarea id="interface-text" rows={5} value={request.text} placeholder="empty for an installed type" onChange={(event) => change({ text: event.target.value })} />
         <button onClick={() => change({ text: CONTRACT, type: request.type || "my_interfaces/srv/PlanGrasp" })}>Template</button>
       </div>
+        </>
+      )}
       <Text label="Outcomes" value={request.outcomes} hint={view?.suggestion ? `such as ${view.suggestion}` : "names of 0, 1 ...: one,none"} set={(outcomes) => change({ outcomes })} />
       <Text label="Failures" value={request.failures.join(",")} hint="those that mean failure: none" set={(text) => change({ failures: text.split(",").map((each) => each.trim()).filter(Boolean) })} />
       <Text label="Component" value={request.name} hint="its name; from the server's by default" set={(name) => change({ name })} />
-      <Text label="Server" value={request.server} hint="such as /plan_grasp" set={(text) => change({ server: text })} />
+      <Text label="Server" value={request.server} hint={view?.server || "such as /plan_grasp"} set={(text) => change({ server: text })} />
       {refusal && (
         <p className="fault" role="alert">
           {refusal}
