@@ -57,6 +57,7 @@ await onPage(url, async (page, { button, fileIs }) => {
   // The robot, its arms and hands, and how they plan.
   await button("Project").click();
   await field("robot").waitFor();
+  await button("Text").click();
   await template("an arm with a hand");
   await template("a hand");
   await fine();

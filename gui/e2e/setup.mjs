@@ -23,6 +23,7 @@ for (const colorScheme of ["light", "dark"]) {
       };
       await button("Project").click();
       await field("robot").waitFor();
+      await button("Text").click();
 
       if (colorScheme === "dark") {
         await put("planner", "RRTConect");

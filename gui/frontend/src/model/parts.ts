@@ -52,3 +52,36 @@ export function toBeMade(nodes: readonly { id: string }[]): { id: string; doc: s
   const camera = nodes.some((face) => face.id.startsWith("sensor/")) ? [] : [{ id: NEW_CAMERA, doc: "The project has no camera yet: one is added." }];
   return [...camera, { id: NEW_COMPONENT, doc: "Software of others as a node: made of a .srv or .action." }];
 }
+
+/** Something of a world, as it is seen from above; lengths in m. */
+export interface Thing {
+  readonly kind: "fixtures" | "regions" | "objects";
+  readonly name: string;
+  readonly at: readonly [number, number, number];
+  /** Along x and y, before it is turned. */
+  readonly size: readonly [number, number];
+  readonly yaw: number;
+  readonly round: boolean;
+}
+
+/** How wide something is drawn whose file doesn't say it, such as an object of the library. */
+const UNKNOWN = 0.07;
+
+/** What of a world's file has a place, the largest first; what a seed draws into a region hasn't. */
+export function thingsOf(data: unknown): Thing[] {
+  const file = (typeof data === "object" && data !== null ? data : {}) as Record<string, unknown>;
+  const numbers = (value: unknown): number[] => (Array.isArray(value) ? value.filter((each): each is number => typeof each === "number") : []);
+  const one = (value: unknown): number | undefined => (typeof value === "number" ? value : numbers(value).at(-1));
+  const found = (["fixtures", "regions", "objects"] as const).flatMap((kind) =>
+    Object.entries((file[kind] ?? {}) as Record<string, Record<string, unknown> | null>).flatMap(([name, said]) => {
+      const [x, y, z = 0] = numbers(said?.at ?? (kind === "fixtures" ? [0, 0, 0] : undefined));
+      if (said === null || typeof said !== "object" || x === undefined || y === undefined) return [];
+      const [a, b] = numbers(said.box ?? said.open_box ?? said.size);
+      const radius = one(said.radius);
+      const wide = radius === undefined ? (one(said.width) ?? UNKNOWN) : 2 * radius;
+      const thing: Thing = { kind, name, at: [x, y, z], size: [a ?? wide, b ?? a ?? wide], yaw: one(said.yaw) ?? 0, round: kind === "objects" && said.shape !== "box" };
+      return [thing];
+    }),
+  );
+  return found.sort((one, other) => other.size[0] * other.size[1] - one.size[0] * one.size[1]);
+}

@@ -7,7 +7,7 @@ import { server } from "../protocol/client";
 import type { BeginView } from "../protocol/generated";
 import { askChoice, type Option } from "./ask";
 import { openTask } from "./desk";
-import { loadGeometry, setRobotOpen } from "./live";
+import { setRobotOpen, useRobot } from "./live";
 import { goToTree, usePage } from "./page";
 import { useRun } from "./run";
 import { openSetup, refreshed, report, saveSetup, setValue, isDirty, useSetup } from "./setup";
@@ -135,7 +135,8 @@ export async function keepState(group: string, name: string, at: Readonly<Record
   if (typeof robot === "string") await setValue(["robot"], { [sourceOf(robot)]: robot });
   await setValue(["robot", "states", group, name], at);
   if (!(await saveSetup())) return "It couldn't be saved.";
-  await loadGeometry();
+  const { view: drawn } = useRobot.getState();
+  if (drawn) useRobot.setState({ view: { ...drawn, states: { ...drawn.states, [group]: { ...drawn.states[group], [name]: at } } } });
   return `${name} is kept.`;
 }
 

@@ -32,7 +32,7 @@ export default function RobotPreview({ view, moves = false }: PreviewProps): JSX
       space.current?.close();
       space.current = null;
     };
-  }, [view]);
+  }, [view?.links]); // a position that is kept is no other shape
   useEffect(() => space.current?.show({ t: 0, joints, scene: {}, bodies: {} }, [], [], false), [view, joints]);
   function onKeyDown(event: KeyboardEvent): void {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];

@@ -1,11 +1,11 @@
-/** What a project has of what it needs to run, each that lacks with a button that adds it; and what a world's camera sees. */
-import { type JSX, useEffect, useState } from "react";
+/** What a project has of what it needs to run, each that lacks with a button that adds it; a world from above, and what its camera sees. */
+import { type JSX, type KeyboardEvent, type PointerEvent, useEffect, useRef, useState } from "react";
 
-import { partsOf } from "../../model/parts";
+import { partsOf, type Thing, thingsOf } from "../../model/parts";
 import { server } from "../../protocol/client";
 import type { SetupView } from "../../protocol/generated";
 import { begin, chooseRobot, useBegin } from "../../store/begin";
-import { isDirty, saveSetup, useSetup } from "../../store/setup";
+import { isDirty, saveSetup, setValue, useSetup } from "../../store/setup";
 import { useProject } from "../../store/tasks";
 
 /** Of `grip.yaml` as it is shown, or else as it is saved. */
@@ -86,5 +86,77 @@ export function WorldPicture({ view }: { view: SetupView }): JSX.Element {
       <p role="status" className="hint">{said}</p>
       {picture && <img src={picture} alt={`What the camera ${seen} of the world ${name} sees, after everything has settled`} />}
     </section>
+  );
+}
+
+const MARGIN = 0.12;
+const GRID = 0.1;
+const ARROWS: Readonly<Record<string, readonly [number, number]>> = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
+const rounded = (length: number): number => Number((Math.round(length / 0.005) * 0.005).toFixed(3));
+
+/** A world from above, the robot looking up: what stands in it is moved by mouse, or with arrow keys by a centimetre. */
+export function WorldPlan({ view }: { view: SetupView }): JSX.Element | null {
+  const plan = useRef<SVGSVGElement>(null);
+  const [held, setHeld] = useState<{ readonly name: string; readonly from: readonly [number, number]; readonly by: readonly [number, number] } | null>(null);
+  const things = thingsOf(view.data);
+  if (things.length === 0) return null;
+  const reach = things.flatMap(({ at: [x, y], size: [a, b] }) => [[x - a / 2, y - b / 2], [x + a / 2, y + b / 2]] as const);
+  const [far, near] = [Math.max(0.1, ...reach.map(([x]) => x)) + MARGIN, Math.min(-0.1, ...reach.map(([x]) => x)) - MARGIN];
+  const [left, right] = [Math.max(0.1, ...reach.map(([, y]) => y)) + MARGIN, Math.min(-0.1, ...reach.map(([, y]) => y)) - MARGIN];
+  function pointed(event: PointerEvent): readonly [number, number] {
+    const box = plan.current?.getBoundingClientRect() ?? new DOMRect(0, 0, 1, 1);
+    const scale = Math.max((left - right) / box.width, (far - near) / box.height);
+    return [-event.clientY * scale, -event.clientX * scale];
+  }
+  function moved({ kind, name, at }: Thing, by: readonly [number, number]): void {
+    if (by[0] !== 0 || by[1] !== 0) void setValue([kind, name, "at"], [rounded(at[0] + by[0]), rounded(at[1] + by[1]), at[2]]);
+  }
+  const lines = (from: number, to: number): number[] => Array.from({ length: Math.floor(to / GRID) - Math.ceil(from / GRID) + 1 }, (_, number) => (Math.ceil(from / GRID) + number) * GRID);
+  return (
+    <figure className="world-plan">
+      <svg ref={plan} role="group" aria-label="The world from above" viewBox={`${-left} ${-far} ${left - right} ${far - near}`}>
+        <path className="plan-grid" d={[...lines(near, far).map((x) => `M${-left} ${-x}H${-right}`), ...lines(right, left).map((y) => `M${-y} ${-far}V${-near}`)].join("")} />
+        <path className="plan-robot" d="M0 -0.09V0.06M-0.06 0H0.06M0 -0.09l-0.025 0.03M0 -0.09l0.025 0.03" />
+        {things.map((thing) => {
+          const { kind, name, round, size, yaw } = thing;
+          const by = held?.name === name ? held.by : [0, 0];
+          const [x, y] = [thing.at[0] + (by[0] ?? 0), thing.at[1] + (by[1] ?? 0)];
+          return (
+            <g
+              key={`${kind}/${name}`}
+              className={`plan-thing plan-${kind}`}
+              role="button"
+              tabIndex={0}
+              aria-label={`${name} at ${x.toFixed(2)}, ${y.toFixed(2)} m: arrow keys move it`}
+              transform={`translate(${-y} ${-x})`}
+              onPointerDown={(event) => {
+                event.currentTarget.setPointerCapture(event.pointerId);
+                setHeld({ name, from: pointed(event), by: [0, 0] });
+              }}
+              onPointerMove={(event) => {
+                if (held?.name !== name) return;
+                const [ahead, aside] = pointed(event);
+                setHeld({ ...held, by: [ahead - held.from[0], aside - held.from[1]] });
+              }}
+              onPointerUp={() => {
+                if (held?.name === name) moved(thing, held.by);
+                setHeld(null);
+              }}
+              onPointerCancel={() => setHeld(null)}
+              onKeyDown={(event: KeyboardEvent) => {
+                const step = ARROWS[event.key];
+                if (!step) return;
+                event.preventDefault();
+                moved(thing, [step[0] / 100, step[1] / 100]);
+              }}
+            >
+              {round ? <circle r={size[0] / 2} /> : <rect x={-size[1] / 2} y={-size[0] / 2} width={size[1]} height={size[0]} transform={`rotate(${(-yaw * 180) / Math.PI})`} />}
+              <text y={kind === "objects" ? -size[0] / 2 - 0.015 : 0.01}>{name}</text>
+            </g>
+          );
+        })}
+      </svg>
+      <figcaption className="hint">From above, the robot looks up; 10 cm a square. Drag what stands there; its height and all else are in the form.</figcaption>
+    </figure>
   );
 }

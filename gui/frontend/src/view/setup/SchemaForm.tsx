@@ -64,7 +64,25 @@ function Fields({ view, place, shape, bare = false }: FieldProps): JSX.Element {
   const [first, setFirst] = useState<readonly string[]>(said);
   if (present !== first.length > 0) setFirst(said);
   if (place.length > 0) keys.sort((a, b) => Number(first.includes(b)) - Number(first.includes(a)));
-  const all = keys.map((key) => <Value key={key} view={view} place={[...place, key]} shape={shape.properties?.[key] ?? {}} />);
+  const drawn = (key: string): JSX.Element => <Value key={key} view={view} place={[...place, key]} shape={shape.properties?.[key] ?? {}} />;
+  // Of a part, whole parts that nothing is said of are folded away: a robot has a dozen of them.
+  const isPart = (key: string): boolean => !first.includes(key) && ["fields", "entries", "items"].includes(formKind(resolved(shape.properties?.[key] ?? {}, view.shape as Shape, undefined)));
+  const more = place.length > 0 ? keys.filter(isPart) : [];
+  const all = (
+    <>
+      {keys.filter((key) => !more.includes(key)).map(drawn)}
+      {more.length > 1 ? (
+        <details className="setup-more">
+          <summary>
+            More <span className="hint">{more.map((key) => key.replaceAll("_", " ")).join(", ")}</span>
+          </summary>
+          {more.map(drawn)}
+        </details>
+      ) : (
+        more.map(drawn)
+      )}
+    </>
+  );
   if (place.length === 0) return <>{all}</>;
   if (value === undefined || value === null)
     return (

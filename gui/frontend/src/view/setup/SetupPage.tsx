@@ -8,7 +8,7 @@ import { loadGeometry, useRobot } from "../../store/live";
 import { listSetup, type Making, openSetup, probe, saveSetup, setValue, report, useSetup } from "../../store/setup";
 import { ImportForm, InterfaceForm } from "./ImportForm";
 import { MessagesPage } from "./MessagesPage";
-import { ProjectParts, WorldPicture } from "./ProjectParts";
+import { ProjectParts, WorldPicture, WorldPlan } from "./ProjectParts";
 import { SchemaForm } from "./SchemaForm";
 import { SetupText } from "./SetupText";
 import { TopicsPage } from "./TopicsPage";
@@ -97,14 +97,26 @@ function Files({ making, make }: { making: Making; make: (what: Making) => void 
   );
 }
 
+const TEXT_SHOWN = "grip.setup.text";
+
 function Open({ view }: { view: SetupView }): JSX.Element {
+  const [text, setText] = useState(() => localStorage.getItem(TEXT_SHOWN) === "yes");
+  const line = useSetup((s) => s.line);
+  const tried = useSetup((s) => s.probe !== null);
+  function show(yes: boolean): void {
+    localStorage.setItem(TEXT_SHOWN, yes ? "yes" : "no");
+    if (!yes) useSetup.setState({ line: null });
+    setText(yes);
+  }
+  // Who presses a problem's line wants to see it.
+  if (line !== null && !text) show(true);
   const saved = useSetup((s) => s.saved === s.view?.text);
   const busy = useSetup((s) => s.busy);
   const tries: readonly (readonly ["robot" | "generate" | "test", string])[] =
     view.kind === "component" ? [["generate", "Generate the node"], ["test", "Try it"]] : view.kind === "project" ? [["robot", "Check the robot"]] : [];
   return (
     <>
-      <main className="panel" aria-label={view.title}>
+      <main className={text || tried ? "panel" : "panel alone"} aria-label={view.title}>
         <div className="edit-bar" role="toolbar" aria-label="File">
           <strong>{view.title}</strong> <code>{view.path}</code>
           <span className="grow" />
@@ -114,6 +126,9 @@ function Open({ view }: { view: SetupView }): JSX.Element {
               {busy === what ? "Trying ..." : label}
             </button>
           ))}
+          <button aria-pressed={text} title="The file itself, beside the form" onClick={() => show(!text)}>
+            Text
+          </button>
           <button className={saved ? "" : "main"} disabled={saved} onClick={() => void saveSetup()}>
             Save
           </button>
@@ -123,15 +138,18 @@ function Open({ view }: { view: SetupView }): JSX.Element {
           <Found view={view} />
           {view.kind === "project" && <ProjectParts />}
           {view.kind === "project" && <OwnRobot robot={JSON.stringify((view.data as { robot?: unknown } | null)?.robot ?? null)} />}
+          {view.kind === "world" && <WorldPlan view={view} />}
           {view.kind === "world" && <WorldPicture key={view.path} view={view} />}
           {view.kind === "component" && <TryForm path={view.path} />}
           <SchemaForm view={view} />
         </div>
       </main>
-      <aside className="panel" aria-label="Text">
-        <SetupText />
-        <Tried />
-      </aside>
+      {(text || tried) && (
+        <aside className="panel" aria-label="Text">
+          {text && <SetupText />}
+          <Tried />
+        </aside>
+      )}
     </>
   );
 }

@@ -55,6 +55,11 @@ export function SetupText(): JSX.Element {
       }
     });
     squiggle(view);
+    const { line } = useSetup.getState();
+    if (line !== null && line <= view.state.doc.lines) {
+      view.dispatch({ selection: { anchor: view.state.doc.line(line).from }, scrollIntoView: true });
+      view.focus();
+    }
     return () => {
       stop();
       if (timer !== undefined) void typeSetup(view.state.sliceDoc());

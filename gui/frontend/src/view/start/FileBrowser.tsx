@@ -28,6 +28,8 @@ export function FileBrowser({ fits, chosen, choose }: BrowserProps): JSX.Element
   function go(at: string): void {
     server.browse(at).then(
       (found) => {
+        // A project that begins is empty: what is looked for lies beside it.
+        if (at === "" && found.above !== "" && Object.keys(found.entries).length === 0) return go(found.above);
         setView(found);
         setError("");
       },
