@@ -156,14 +156,14 @@ const walks = {
     await keep("at_can", from(0, 0));
     await me.see("at_can", "The hand at the can, by numbers; the arm follows.");
     await keep("lifted", from(0, 0.12));
-    await keep("over_tray", from(0, 0.12, -0.25));
     await keep("in_tray", from(0, 0.005, -0.25));
+    await keep("away", from(0.12, 0.005, -0.25));
     await check(page, "a hand is moved");
-    await me.press("press New task through the kept positions", button("New task through the kept positions"), () => nodeIs("arm_in_tray", "not started"));
+    await me.press("press New task through the kept positions", button("New task through the kept positions"), () => nodeIs("arm_away", "not started"));
     const add = async (after, node) => {
       await me.act(`select ${after}`, () => pick(after));
       await me.key("press /", "/", () => page.getByRole("dialog").locator("input").waitFor());
-      await me.fill(`${node}`, page.getByRole("dialog").locator("input"), node, () => page.getByRole("dialog").waitFor({ state: "detached" }));
+      await me.fill(`type ${node}`, page.getByRole("dialog").locator("input"), node, () => page.getByRole("dialog").waitFor({ state: "detached" }));
     };
     await add("arm_at_can", "hand/close");
     await add("arm_in_tray", "hand/open");

@@ -3,9 +3,10 @@
 import pytest
 from robot_files import LIMITS, SRDF, urdf
 
+from grip_bt.app.project.new_robot import new_robot
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.hints import hints_of
-from grip_bt.commanders.description.load import inspect_robot, load_robot
+from grip_bt.commanders.description.load import config_of, inspect_robot, load_robot
 from grip_bt.commanders.description.packages import Packages, packages_below, surroundings
 
 XACRO = '<robot name="{name}" xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>'
@@ -193,3 +194,48 @@ def test_states_that_mean_open_and_closed_are_called_so_too(tmp_path, name, word
     (tmp_path / "r.srdf").write_text(SRDF.replace(f'name="{word}"', f'name="{name}"'))
     robot = load_robot(RobotConfig(urdf="r.urdf", srdf="r.srdf"), tmp_path)
     assert robot.named_state("gripper", word) == robot.named_state("gripper", name)
+
+
+LAUNCH = {
+    "up.launch.xml": """<launch>
+  <!-- <arg name="model" default="$(find-pkg-share smally_model)/robots/nothing.urdf"/> -->
+  <include file="$(find-pkg-share smally_up)/launch/model.launch.xml"/>
+</launch>""",
+    "model.launch.xml": """<launch><node pkg="robot_state_publisher" exec="robot_state_publisher">
+  <param name="robot_description"
+    value="$(command 'xacro $(find-pkg-share smally_model)/robots/smally.urdf.xacro hand:=big')"/>
+  <param name="robot_description_semantic" value="$(command 'cat $(find-pkg-share smally_groups)/config/smally.srdf')"/>
+</node></launch>""",
+    "up.launch": """<launch>
+  <arg name="model" default="$(find smally_model)/robots/smally.urdf.xacro"/>
+  <param name="robot_description" command="xacro $(arg model) hand:=big"/>
+  <param name="robot_description_semantic" textfile="$(find smally_groups)/config/smally.srdf"/>
+</launch>""",
+    "up.launch.py": """raise SystemExit("it is read, never run")
+model = os.path.join(get_package_share_directory("smally_model"), "robots", "smally.urdf.xacro")
+semantic = os.path.join(get_package_share_directory("smally_groups"), "config", "smally.srdf")
+description = xacro.process_file(model, mappings={"hand": "big"})
+""",
+}
+
+
+@pytest.mark.parametrize("name", ["up.launch.xml", "up.launch", "up.launch.py"])
+def test_a_launch_file_is_the_robot_that_it_brings_up(tmp_path, name):
+    source = tmp_path / "ws/src"
+    xacro = xacro_of(urdf(), ("hand", "small"))
+    package(source / "smally_model", "smally_model", **{"robots/smally.urdf.xacro": xacro})
+    package(source / "groups", "smally_groups", **{"config/smally.srdf": SRDF})
+    folder = package(source / "smally_up", "smally_up", **{f"launch/{file}": text for file, text in LAUNCH.items()})
+    found = loaded(folder / "launch" / name)
+    assert set(found.description.groups) == {"manipulator", "gripper", "all"}
+    config, _ = config_of(str(folder / "launch" / name), tmp_path)
+    assert (config.arguments, config.srdf) == ({"hand": "big"}, str(source / "groups/config/smally.srdf"))
+    files = new_robot(str(folder / "launch" / name), tmp_path / "lab", lambda _, names: names[0]).files
+    assert f"bringup: {{package: smally_up, launch: {name}}}" in files["grip.yaml"]
+
+
+def test_a_launch_file_without_a_robot_says_what_it_names(tmp_path):
+    text = '<launch><node pkg="camera" exec="camera" args="camera.urdf"/></launch>'
+    folder = package(tmp_path / "camera", "camera", **{"launch/camera.launch.xml": text})
+    (finding,) = inspect_robot(str(folder / "launch/camera.launch.xml")).findings
+    assert "no robot's file is found that it brings up (it names camera.urdf)" in finding.message

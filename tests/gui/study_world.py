@@ -13,7 +13,9 @@ from xml.etree.ElementTree import Element, SubElement, fromstring, indent, tostr
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.description.robot import RobotDescription
 
-MANIFEST = '<package format="3"><name>{name}</name><version>0.1.0</version><description>{doc}</description>{more}</package>\n'
+MANIFEST = (
+    '<package format="3"><name>{name}</name><version>0.1.0</version><description>{doc}</description>{more}</package>\n'
+)
 LAUNCH = """\
 <launch>
   <!-- The arm with the hand, as it stands in the laboratory. -->
@@ -30,7 +32,8 @@ DESCRIPTION = """\
   <arg name="model" default="$(find-pkg-share lab_description)/urdf/ur10_shadow.urdf.xacro"/>
   <node pkg="robot_state_publisher" exec="robot_state_publisher">
     <param name="robot_description" value="$(command 'xacro $(var model) safety:=true')"/>
-    <param name="robot_description_semantic" value="$(command 'cat $(find-pkg-share ur10_shadow_config)/config/ur10_shadow.srdf')"/>
+    <param name="robot_description_semantic"
+      value="$(command 'cat $(find-pkg-share ur10_shadow_config)/config/ur10_shadow.srdf')"/>
   </node>
 </launch>
 """
@@ -157,7 +160,8 @@ def write_world(lab: Path) -> None:
     _package(lab / "src/ur_description", "The UR5.", {"urdf/ur5.urdf": build_robot("ur5").urdf})
     ur5 = build_robot("ur5")
     moveit = {
-        ".setup_assistant": "moveit_setup_assistant_config:\n  URDF: {package: ur_description, relative_path: urdf/ur5.urdf}\n"
+        ".setup_assistant": "moveit_setup_assistant_config:\n"
+        "  URDF: {package: ur_description, relative_path: urdf/ur5.urdf}\n"
         "  SRDF: {relative_path: config/ur5.srdf}\n",
         "config/ur5.srdf": srdf_of(ur5, {"arm": "manipulator"}),
         "config/kinematics.yaml": "manipulator:\n  kinematics_solver: kdl_kinematics_plugin/KDLKinematicsPlugin\n"
@@ -183,9 +187,12 @@ def write_world(lab: Path) -> None:
         "srv/PlanGrasp.srv": SERVICE,
         "scripts/grasp_server.py": SERVER,
         "scripts/planner.py": PLANNER,
-        "README.md": "# Planar grasps\n\nOne service, `/planar_grasps/plan`: the cloud of a depth camera, in a frame whose z is up; a grasp from above.\n",
+        "README.md": "# Planar grasps\n\nOne service, `/planar_grasps/plan`: the cloud of a depth camera, in a frame whose z\n"
+        "is up; a grasp from above.\n",
     }
-    _package(lab / "planar_grasps", "Planar grasps.", grasps, "<depend>sensor_msgs</depend><depend>geometry_msgs</depend>")
+    _package(
+        lab / "planar_grasps", "Planar grasps.", grasps, "<depend>sensor_msgs</depend><depend>geometry_msgs</depend>"
+    )
     (lab / "kinect2.py").write_text(KINECT)
 
 

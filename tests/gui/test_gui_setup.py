@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from played import TASK, TestClient
@@ -14,7 +15,10 @@ from grip_bt.base.values import JointState, Pose
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
+from grip_gui.project import ProjectFolder
+from grip_gui.setup.routes import make
 from grip_gui.setup.settings_store import UnchangeableError, remove, rename, set_value
+from grip_gui.wire.setup import InterfaceRequest
 
 GRIP = """\
 grip: 1
@@ -350,6 +354,39 @@ def test_a_pasted_interface_shows_its_fields_and_its_component_file(page: TestCl
     ]
     assert view["problems"] == []
     assert "outcomes: [one, none]" in view["text"]
+
+
+SERVED = """from seer.srv import Look
+
+raise SystemExit("it is read, never run")
+node.create_service(Look, "seer/look", answer)
+"""
+
+
+def test_an_interface_in_its_own_repository_brings_what_serves_it(
+    page: TestClient, project: Path, tmp_path: Path
+) -> None:
+    repository = tmp_path / "seer"
+    files = {
+        "package.xml": "<package><name>seer</name><depend>sensor_msgs</depend></package>",
+        "srv/Look.srv": "sensor_msgs/PointCloud2 cloud\n---\nbool success\n",
+        "scripts/server.py": SERVED,
+        "scripts/another.py": "print('nothing')",
+    }
+    for name, text in files.items():
+        (repository / name).parent.mkdir(parents=True, exist_ok=True)
+        (repository / name).write_text(text)
+    view = look(page, type="", text="", file=str(repository / "srv/Look.srv")).json()
+    assert (view["type"], view["server"], view["script"]) == ("seer/srv/Look", "/seer/look", "server.py")
+    assert view["problems"] == []
+    relative = look(page, type="", text="", file="srv/Look.srv")
+    assert (relative.status_code, "is no path on this machine" in relative.json()["detail"]) == (400, True)
+    asked = InterfaceRequest(file=str(repository / "srv/Look.srv"), outcomes=view["suggestion"])
+    made, home = make(ProjectFolder(project), asked)
+    started = yaml.safe_load((home / "component.yaml").read_text())["start"]["command"]
+    assert (made.path, started[0]) == ("components/seer_look/component.yaml", "{python}")
+    assert (home / started[1]).resolve() == repository / "scripts/server.py"
+    assert (home / "interfaces/seer/srv/Look.srv").is_file()
 
 
 @pytest.mark.parametrize(

@@ -51,8 +51,8 @@ def new_robot(source: str, folder: Path, choose: Choose, *, by_package: bool = F
     """Return the files of a project.
 
     Args:
-        source: a ready-made robot's name, a robot's file or a launch file that brings it up, the folder of a MoveIt configuration or description package
-            or of a workspace with some, or such a package's name.
+        source: a ready-made robot's name, a robot's file or a launch file that brings it up, the folder of a MoveIt
+            configuration or description package or of a workspace with some, or such a package's name.
         folder: of the project, which `grip.yaml` begins its paths in.
         choose: asked where there are several.
         by_package: name files of ROS packages by `package://`, since the project will be installed elsewhere.
@@ -204,7 +204,9 @@ def _bringup(path: Path, folder: Path) -> str:
     if not is_launch_file(path):
         return ""
     home = package_around(path)
-    where = {"package": name_of_package(home), "launch": path.name} if home else {"launch": os.path.relpath(path, folder)}
+    where = (
+        {"package": name_of_package(home), "launch": path.name} if home else {"launch": os.path.relpath(path, folder)}
+    )
     return f"processes:\n  bringup: {_flow(where)}  # started by `grip launch`\n"
 
 

@@ -1,4 +1,4 @@
-"""The robot that a launch file brings up: the files that it and what it includes name, and the arguments it gives them."""
+"""The robot that a launch file brings up: the files that it and what it includes name, and what it gives them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from grip_bt.base.errors import DocumentError, MissingPartError
 from .config import RobotConfig
 from .configurations import Alternative, Configurations, is_configured
 from .hints import hints_in, read_launch
-from .packages import MANIFEST, Packages, package_around
+from .packages import Packages, package_around
 
 ENDS = (".launch", ".launch.xml", ".launch.py", ".launch.yaml")
 _INCLUDED = re.compile(r"([\w.-]+\.launch(?:\.xml|\.py|\.yaml)?)\b")
@@ -33,16 +33,28 @@ def robot_of_launch(path: Path) -> RobotConfig:
     packages = Packages({}, (path,))
     hints = hints_in("\n".join(_texts(path, home, packages)))
     folders = [home, *(folder for name in hints.packages if (folder := _folder(packages, name)) is not None)]
-    named = [file for name in dict.fromkeys(hints.files) for folder in dict.fromkeys(folders) for file in sorted(folder.rglob(name))]
+    named = [
+        file
+        for name in dict.fromkeys(hints.files)
+        for folder in dict.fromkeys(folders)
+        for file in sorted(folder.rglob(name))
+    ]
     srdf = next((file for file in named if ".srdf" in file.name), None)
     urdfs = [file for file in named if ".srdf" not in file.name]
     if srdf is None:
-        srdf = next((file for folder in folders if is_configured(folder) for file in sorted(folder.rglob("*.srdf*"))), None)
+        srdf = next(
+            (file for folder in folders if is_configured(folder) for file in sorted(folder.rglob("*.srdf*"))), None
+        )
     if not urdfs:
         said = ", ".join(dict.fromkeys(hints.files)) or "no .urdf, .xacro or .srdf"
-        raise DocumentError(f"no robot's file is found that it brings up (it names {said}); choose the URDF itself", str(path))
+        raise DocumentError(
+            f"no robot's file is found that it brings up (it names {said}); choose the URDF itself", str(path)
+        )
     found = Configurations(home, packages, hints)
-    best = max((found.fitted(Alternative(path.name.split(".")[0], srdf, urdf=urdf)) for urdf in urdfs[:3]), key=lambda each: each.fit)
+    best = max(
+        (found.fitted(Alternative(path.name.split(".")[0], srdf, urdf=urdf)) for urdf in urdfs[:3]),
+        key=lambda each: each.fit,
+    )
     assert best.urdf is not None
     config = None if srdf is None else package_around(srdf)
     return RobotConfig(

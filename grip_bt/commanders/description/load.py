@@ -147,7 +147,8 @@ def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
     """Return the configuration that a path stands for, and the folder that its relative paths begin in.
 
     `*.urdf`, `*.xacro` and `*.xml` (URDF or MJCF) are robots by themselves, a launch file names one, `*.yaml` holds a
-    configuration; a project's and a world's file under `robot:`. A folder is a project, or a MoveIt configuration package.
+    configuration; a project's and a world's file under `robot:`. A folder is a project, or a MoveIt configuration
+    package.
 
     Raises:
         UnknownNameError: there is neither such a file nor such a ready-made robot.

@@ -150,7 +150,11 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
 
     for hand, group in hands.items():
         frame = description.grasp_frames.get(group, description.grasp_frame)
-        grasp[hand] = {"link": frame.link, "group": group, "at": [*frame.pose.position.tolist(), *frame.pose.quaternion.tolist()]}
+        grasp[hand] = {
+            "link": frame.link,
+            "group": group,
+            "at": [*frame.pose.position.tolist(), *frame.pose.quaternion.tolist()],
+        }
     return {
         "name": description.name,
         "links": {link.get("name"): list(_shapes(link, mesh, colors)) for link in urdf.iter("link")},

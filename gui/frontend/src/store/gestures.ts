@@ -36,15 +36,21 @@ export function paletteOptions(): Option[] {
 
 /** Add a node of the palette: at a spot, or where the selection says. */
 export async function add(what: string, at?: Spot): Promise<void> {
-  const { task } = useRun.getState();
-  const spot = at ?? spotFor(nodes(), focusPath());
+  const focus = focusPath();
+  const spot = at ?? spotFor(nodes(), focus);
   if (spot === null) {
     report("No container takes another child: wrap the root in a sequence first.");
     return;
   }
   if (!(await provided(what))) return;
-  const { command, path } = addNew(task, nodes(), useDocument.getState().catalog, what, spot);
-  await edit(command, path, `${nameOf(path)} was added to ${spot.parent}`);
+  // Who adds faster than the answers come means the place after the node, wherever that is by then.
+  const made: string[] = [];
+  const command = (): Command => {
+    const { command, path } = addNew(useRun.getState().task, nodes(), useDocument.getState().catalog, what, at ?? spotFor(nodes(), focus) ?? spot);
+    made.splice(0, 1, path);
+    return command;
+  };
+  await edit(command, made, `${what.split("/").at(-1)} was added to ${spot.parent}`);
 }
 
 /** Tasks that this one may run: the others. */

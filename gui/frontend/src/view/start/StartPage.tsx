@@ -69,8 +69,10 @@ function Made(): JSX.Element {
         </Suspense>
       </div>
       {made !== null && made.findings.length > 0 && (
-        <details open>
-          <summary>What the robot's files said</summary>
+        <details>
+          <summary>
+            What the robot's files said <span className="hint">{made.findings.length}</span>
+          </summary>
           <ul aria-label="What the robot's files said">
             {made.findings.map((finding) => (
               <li key={finding}>{finding}</li>
