@@ -187,7 +187,7 @@ def write_world(lab: Path) -> None:
         "srv/PlanGrasp.srv": SERVICE,
         "scripts/grasp_server.py": SERVER,
         "scripts/planner.py": PLANNER,
-        "README.md": "# Planar grasps\n\nOne service, `/planar_grasps/plan`: the cloud of a depth camera, whose z is up.\n",
+        "README.md": "# Planar grasps\n\nOne service, `/planar_grasps/plan`: a cloud whose z is up.\n",
     }
     _package(
         lab / "planar_grasps", "Planar grasps.", grasps, "<depend>sensor_msgs</depend><depend>geometry_msgs</depend>"
