@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, MissingPartError
+from grip_bt.base.errors import DocumentError
 
 from .files import read_yaml
 from .hints import Declared, Hints, declared, hints_of
@@ -189,11 +189,9 @@ class Configurations:
         certain: list[Path] = []
         entry = self.assistant.get("urdf", {})
         if relative := str(entry.get("relative_path") or ""):
-            try:
-                package = str(entry.get("package") or "")
-                certain = [(self.packages.find(package) if package else self.folder) / relative]
-            except MissingPartError:
-                certain = []
+            package = str(entry.get("package") or "")
+            home = self.packages.known(package) if package else self.folder
+            certain = [] if home is None else [home / relative]
         own = sorted(p for p in _files_below(self.folder, _is_urdf) if self._told(p).whole)
         others = [p for folder in self._described() for p in _files_below(folder, _is_urdf) if self._told(p).whole]
         mentioned = set(self.hints.files)
@@ -212,11 +210,8 @@ class Configurations:
         depends = _DEPENDS.findall(manifest.read_text(errors="replace")) if manifest.is_file() else []
         seen = {self.folder}
         for name in dict.fromkeys([str(entry.get("package") or ""), *self.hints.packages, *depends]):
-            try:
-                folder = self.packages.find(name) if name else self.folder
-            except MissingPartError:
-                continue
-            if folder not in seen and not name.startswith("moveit_ros"):
+            folder = self.packages.known(name) if name else self.folder
+            if folder is not None and folder not in seen and not name.startswith("moveit_ros"):
                 seen.add(folder)
                 yield folder
         for root in surroundings(self.folder)[:2]:

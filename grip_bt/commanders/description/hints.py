@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, MissingPartError
+from grip_bt.base.errors import DocumentError
 
 from .files import note
 from .packages import Packages
@@ -80,9 +80,7 @@ def read_launch(path: Path) -> str:
 
 def hints_in(text: str) -> Hints:
     """Return what the texts of launch files say."""
-    hints = Hints()
-    hints.files = _FILE.findall(text)
-    hints.packages = ["".join(found) for found in _PACKAGES.findall(text)]
+    hints = Hints(_FILE.findall(text), ["".join(found) for found in _PACKAGES.findall(text)])
     for name, value in _found(_DEFAULTS, text):
         hints.defaults[name] = hints.defaults.get(name) or value
     for name, value in _found(_GIVEN, text):
@@ -137,11 +135,8 @@ def declared(path: Path, packages: Packages) -> Declared:
         arguments.setdefault(name, None)
     choices: dict[str, list[str]] = {}
     for package, folders, begin, name, end in _BY_ARGUMENT.findall(text):
-        try:
-            folder = packages.find(package) / folders.strip("/")
-        except MissingPartError:
-            continue
-        found = sorted(folder.glob(f"{begin}*{end}")) if folder.is_dir() else []
+        home = packages.known(package)
+        found = sorted((home / folders.strip("/")).glob(f"{begin}*{end}")) if home is not None else []
         place = -len(Path(end).parts) if end.startswith("/") else -1  # of what the star stands for, from the right
         rest = "" if end.startswith("/") else end
         values = [path.parts[place].removeprefix(begin).removesuffix(rest) for path in found]

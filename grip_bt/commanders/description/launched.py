@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable
+from operator import attrgetter
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, MissingPartError
+from grip_bt.base.errors import DocumentError
 
 from .config import RobotConfig
-from .configurations import Alternative, Configurations, is_configured
-from .hints import hints_in, read_launch
+from .configurations import Alternative, Configurations
+from .hints import Hints, hints_in, read_launch
 from .packages import Packages, package_around
 
-ENDS = (".launch", ".launch.xml", ".launch.py", ".launch.yaml")
 _INCLUDED = re.compile(r"([\w.-]+\.launch(?:\.xml|\.py|\.yaml)?)\b")
 _MOST = 30
+"""Launch files that are read, and URDFs of which the one that fits is looked for."""
 
 
 def is_launch_file(path: Path) -> bool:
     """Tell by its name whether a file is a launch file."""
-    return path.name.endswith(ENDS)
+    return _INCLUDED.fullmatch(path.name) is not None
 
 
 def robot_of_launch(path: Path) -> RobotConfig:
@@ -29,57 +30,36 @@ def robot_of_launch(path: Path) -> RobotConfig:
     Raises:
         DocumentError: neither it nor what it includes names the file of a robot that is there.
     """
-    home = package_around(path) or path.parent
-    packages = Packages({}, (path,))
-    hints = hints_in("\n".join(_texts(path, home, packages)))
-    folders = [home, *(folder for name in hints.packages if (folder := _folder(packages, name)) is not None)]
-    named = [
-        file
-        for name in dict.fromkeys(hints.files)
-        for folder in dict.fromkeys(folders)
-        for file in sorted(folder.rglob(name))
-    ]
+    home, packages = package_around(path) or path.parent, Packages({}, (path,))
+    files, texts = [path], list[str]()
+    while len(texts) < min(len(files), _MOST):
+        texts.append(read_launch(files[len(texts)]))
+        included = _named(_INCLUDED.findall(texts[-1]), home, hints_in(texts[-1]), packages)
+        files += [file for file in included if file not in files]
+    hints = hints_in("\n".join(texts))
+    named = _named(hints.files, home, hints, packages)
     srdf = next((file for file in named if ".srdf" in file.name), None)
     urdfs = [file for file in named if ".srdf" not in file.name]
-    if srdf is None:
-        srdf = next(
-            (file for folder in folders if is_configured(folder) for file in sorted(folder.rglob("*.srdf*"))), None
-        )
     if not urdfs:
-        said = ", ".join(dict.fromkeys(hints.files)) or "no .urdf, .xacro or .srdf"
+        names = ", ".join(dict.fromkeys(hints.files)) or "no .urdf, .xacro or .srdf"
         raise DocumentError(
-            f"no robot's file is found that it brings up (it names {said}); choose the URDF itself", str(path)
+            f"no robot's file is found that it brings up (it names {names}); choose the URDF itself", str(path)
         )
     found = Configurations(home, packages, hints)
-    best = max(
-        (found.fitted(Alternative(path.name.split(".")[0], srdf, urdf=urdf)) for urdf in urdfs[:3]),
-        key=lambda each: each.fit,
-    )
+    chosen = (found.fitted(Alternative(path.name.split(".")[0], srdf, urdf=urdf)) for urdf in urdfs[:_MOST])
+    best = max(chosen, key=attrgetter("fit"))
     assert best.urdf is not None
-    config = None if srdf is None else package_around(srdf)
-    return RobotConfig(
-        **{"urdf" if best.urdf.suffix == ".urdf" else "xacro": str(best.urdf)},
-        **({"srdf": str(srdf)} if srdf is not None else {}),
-        **({"moveit": str(config)} if config is not None and config != package_around(best.urdf) else {}),
-        **({"arguments": dict(best.arguments)} if best.arguments else {}),
-    )
+    config = srdf and package_around(srdf)
+    said = {
+        "moveit": config and config != package_around(best.urdf) and str(config),
+        "urdf" if best.urdf.suffix == ".urdf" else "xacro": str(best.urdf),
+        "srdf": srdf and str(srdf),
+        "arguments": dict(best.arguments),
+    }
+    return RobotConfig.model_validate({key: value for key, value in said.items() if value})
 
 
-def _texts(path: Path, home: Path, packages: Packages) -> Iterator[str]:
-    """Yield the launch file's text, then those of the files that it includes."""
-    todo, seen = [path], {path}
-    while todo and len(seen) < _MOST:
-        text = read_launch(todo.pop(0))
-        yield text
-        near = [home, *(folder for name in hints_in(text).packages if (folder := _folder(packages, name)) is not None)]
-        for name in _INCLUDED.findall(text):
-            for file in (file for folder in near for file in sorted(folder.rglob(name)) if file not in seen):
-                seen.add(file)
-                todo.append(file)
-
-
-def _folder(packages: Packages, name: str) -> Path | None:
-    try:
-        return packages.find(name)
-    except MissingPartError:
-        return None
+def _named(names: Iterable[str], home: Path, hints: Hints, packages: Packages) -> list[Path]:
+    """Return the files of some names, in a package and those that its launch files look up."""
+    folders = dict.fromkeys([home, *filter(None, map(packages.known, hints.packages))])
+    return [file for name in dict.fromkeys(names) for folder in folders for file in sorted(folder.rglob(name))]

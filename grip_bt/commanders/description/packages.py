@@ -105,6 +105,13 @@ class Packages:
             f"name its folder under `packages:` (given: {known}), source its ROS workspace or install it with pip",
         )
 
+    def known(self, name: str) -> Path | None:
+        """Return a package's folder; None where there is no such package."""
+        try:
+            return self.find(name)
+        except MissingPartError:
+            return None
+
     def _in_workspace(self, name: str) -> Path | None:
         for package in dict.fromkeys(self.given.values()):
             for root in surroundings(package):
