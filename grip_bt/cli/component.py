@@ -16,13 +16,16 @@ from grip_bt.app.project.components import Wish, components_folder, from_file, f
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
+from grip_bt.base.failures import BadReplyError
+from grip_bt.base.types import check_value
 from grip_bt.cli.parser import add_actions, add_no_code
 from grip_bt.cli.terminal import Bar, tell
-from grip_bt.codegen import outdated, render, write_package
+from grip_bt.codegen import component_manifest, outdated, render, write_package
 from grip_bt.codegen.scaffold import make_repository
 from grip_bt.ros.interfaces import build_interfaces, read_interface
 from grip_bt.ros.interfaces.definition import fields_within, interface_file
-from grip_bt.task.catalog.component_file import FILE_NAME, load_component
+from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile, load_component
+from grip_bt.task.catalog.ros_config import InterfaceSpec
 
 _NODE_FOLDER = "node"
 _MOST = 6
@@ -182,15 +185,21 @@ def _run_test(args: argparse.Namespace) -> int:
         operation.wait(component.timeouts.call + component.timeouts.ready + 1)
         reply = operation.result()
         shown = label_of(component, reply)
+        for name, port in component_manifest(component, _interface(folder, component)).outputs.items():
+            if name in reply and (reason := check_value(port.type, reply[name])):
+                raise BadReplyError(f"the answer's port {name!r} {reason}; say its type under `ports:`", field=name)
         print(f"empty request: {shown} after {(time.perf_counter() - started) * 1e3:.1f} ms")
     return stale
 
 
 def rendered(folder: Path) -> dict[str, str]:
     """Return the files of a component's node, from its component file and its interface; see `codegen.render`."""
-    component, packages = load_component(folder), folder / "interfaces"
-    own = interface_file(packages, component.interface)
-    return render(component, read_interface(own or component.interface), partial(fields_within, packages))
+    component = load_component(folder)
+    return render(component, _interface(folder, component), partial(fields_within, folder / "interfaces"))
+
+
+def _interface(folder: Path, component: ComponentFile) -> InterfaceSpec:
+    return read_interface(interface_file(folder / "interfaces", component.interface) or component.interface)
 
 
 def add_interfaces(parser: argparse.ArgumentParser) -> None:

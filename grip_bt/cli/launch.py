@@ -39,7 +39,7 @@ def add_launch(parser: argparse.ArgumentParser) -> None:
 def run_launch(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
     if args.write is not None:
-        args.write.write_text(launch_file_of(find_project(args.project)), encoding="utf-8")
+        args.write.write_text(launch_file_of(find_project(args.project), args.write.parent), encoding="utf-8")
         print(f"{args.write}: run it by `ros2 launch {args.write}` or `grip launch {args.write}`")
         return 0
     if args.show_args:

@@ -3,6 +3,6 @@
 from grip_bt.codegen.render import outdated, write_package
 
 from .contract import check_contract
-from .render import render
+from .render import component_manifest, render
 
-__all__ = ["check_contract", "outdated", "render", "write_package"]
+__all__ = ["check_contract", "component_manifest", "outdated", "render", "write_package"]

@@ -7,6 +7,7 @@ declares (units, frames, orders) is done here, once, on both ways, and checked: 
 from __future__ import annotations
 
 import dataclasses
+from array import array
 from collections.abc import Mapping
 from typing import Any
 
@@ -164,7 +165,7 @@ class Adapter:
             check_field(type(raw), name)
             raw = getattr(raw, name)
         if declared is None:
-            return raw
+            return raw.tolist() if isinstance(raw, (array, np.ndarray)) else raw  # a `list[int]` is a list
         if declared.type == "Pose" and not hasattr(raw, "get_fields_and_field_types"):
             value: object = _pose_from_numbers(raw, declared)
         else:

@@ -14,6 +14,7 @@ import sys
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from grip_bt.base.failures import ExpectedError, IncompatibleServerError
 from grip_bt.base.interpreter import python_command
@@ -105,7 +106,9 @@ def stop_all(processes: Sequence[Process]) -> None:
         process.stop()
 
 
-def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = None) -> dict[str, str]:
+def child_environment(
+    overlays: Sequence[Path] = (), domain_id: int | None = None, more: Mapping[str, str] = MappingProxyType({})
+) -> dict[str, str]:
     """Return the environment for a process that we start.
 
     What belongs to this very interpreter is taken out: the wheels' guard variable and library folders would make
@@ -115,6 +118,7 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
     Args:
         overlays: prefixes whose interface packages the process may import; only for our own Python.
         domain_id: the DDS domain; this process's by default.
+        more: further variables; a search path, such as PYTHONPATH, comes before what is there.
     """
     env = {k: v for k, v in os.environ.items() if k not in _OURS}
     folders = [Path(p) for p in env.get("LD_LIBRARY_PATH", "").split(os.pathsep)]
@@ -125,7 +129,8 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
     if domain_id is not None:
         env["ROS_DOMAIN_ID"] = str(domain_id)
     env["PYTHONUNBUFFERED"] = "1"  # or the last words of a process that dies are lost
-    return env
+    before = {name: f"{os.pathsep}{env[name]}" for name in more if name.endswith("PATH") and env.get(name)}
+    return env | {name: value + before.get(name, "") for name, value in more.items()}
 
 
 def _put(env: dict[str, str], variable: str, first: Sequence[Path], but: Collection[Path]) -> None:
@@ -172,7 +177,7 @@ def start_process(
     if start is None or not start.run:
         return None
     ours = any("{python}" in word for word in start.command)
-    env = child_environment(overlays if ours else (), domain_id) | dict(start.env)
+    env = child_environment(overlays if ours else (), domain_id, start.env)
     return Process(name, command_of(start, folder), folder, env, log)
 
 

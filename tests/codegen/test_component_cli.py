@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from grip_bt.app.project.components import from_file, make_component
 from grip_bt.base.errors import DocumentError
 from grip_bt.cli.__main__ import main
 from grip_bt.ros.components import find_components
@@ -147,3 +148,22 @@ def test_one_broken_component_does_not_hide_the_others(project, capsys):
     assert list(find_components(project / "components", ["last"])) == ["last"]
     with pytest.raises(DocumentError, match="'interface' is missing"):
         find_components(project / "components", ["a_first"])
+
+
+def test_what_interfaces_are_not_built_from_is_not_copied(tmp_path):
+    package = tmp_path / "old_msgs"
+    for name, text in {
+        "package.xml": "<package><name>old_msgs</name></package>",
+        "srv/Find.srv": "int32 a\n---\nint64[] found\n",
+        "srv/README": "",
+        "data/weights.pt": "large",
+        "scripts/srv/run.py": "",
+    }.items():
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        (package / name).write_text(text)
+    home = make_component(
+        from_file(package / "srv/Find.srv"), tmp_path / "components", "some: len(found) > 0; none: true"
+    )
+    copied = {file.relative_to(home).as_posix() for file in home.rglob("*") if file.is_file()}
+    kept = {"package.xml", "srv/Find.srv", "srv/README"}
+    assert copied == {"component.yaml", *(f"interfaces/old_msgs/{name}" for name in kept)}

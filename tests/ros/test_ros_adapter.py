@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
+from grip_bt.base.types import check_value
 from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
 from grip_bt.ros.client.types import ConversionError
 from grip_bt.ros.component import Adapter, scaled
 from grip_bt.ros.frames import FrameError, FrameTree, frame_of, transformed
+from grip_bt.ros.process import child_environment
 from grip_bt.task.catalog.component_file import ComponentFile
 
 pytestmark = pytest.mark.ros
@@ -141,3 +143,22 @@ def test_values_with_a_frame_are_transformed_as_a_whole():
     assert np.allclose(seen.pose.position, (1, 1, 0))
     assert np.allclose(seen.pre_grasp.position, (1, 1, -0.1))
     assert np.allclose(transformed(PointCloud(np.array([[1.0, 0, 0]]), frame="camera"), QUARTER).points, [[1, 1, 0]])
+
+
+@pytest.mark.parametrize(
+    ("name", "given"), [("Int64MultiArray", [1, -2]), ("UInt8MultiArray", [1, 2]), ("Float64MultiArray", [0.5])]
+)
+def test_numbers_of_a_port_that_nobody_declares_are_a_list_as_its_manifest_says(name, given):
+    from std_msgs import msg
+
+    value = adapter({}).unpack(getattr(msg, name)(data=given), "data", "data")
+    assert value == given
+    assert check_value("list[int]" if name[0] != "F" else "list[float]", value) is None
+
+
+def test_a_search_path_of_a_component_comes_before_ours(monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", "/ours")
+    found = child_environment(more={"PYTHONPATH": "/theirs", "MODE": "a"})
+    assert found["PYTHONPATH"].split(":")[0] == "/theirs"
+    assert "/ours" in found["PYTHONPATH"].split(":")
+    assert found["MODE"] == "a"

@@ -106,6 +106,7 @@ def test_what_is_wrong_is_told_with_its_line(text, line, told):
         ),
         ("int32 in", "it is a keyword of Python"),
         ("duration input", "'duration' is of ROS 1; ROS 2 has builtin_interfaces/Duration"),
+        ("Header header", "ROS 2 has std_msgs/Header, for which package.xml has to ask: <depend>std_msgs</depend>"),
     ],
 )
 def test_a_build_names_the_line_that_asks_for_a_type_that_is_not_there(tmp_path, field, told):

@@ -23,6 +23,7 @@ from grip_bt.codegen.contract import check_contract
 from grip_bt.codegen.scaffold import OutcomesNeededError, component_text, parse_outcomes, suggested_name
 from grip_bt.ros.interfaces import read_interface, read_package
 from grip_bt.ros.interfaces.definition import fields_within, interface_file
+from grip_bt.ros.interfaces.packages import KINDS
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile
 from grip_bt.task.catalog.ros_config import InterfaceSpec
 
@@ -124,9 +125,15 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
     home.mkdir(parents=True, exist_ok=True)
     for package in _with_needed(wish.package):
         if not (home / "interfaces" / package.name).exists():
-            shutil.copytree(package, home / "interfaces" / package.name)
+            shutil.copytree(package, home / "interfaces" / package.name, ignore=_not_of_interfaces)
     (home / FILE_NAME).write_text(text, encoding="utf-8")
     return home
+
+
+def _not_of_interfaces(folder: str, names: list[str]) -> set[str]:
+    """Return what isn't copied of a package: all but what its interfaces are built from."""
+    inside = Path(folder).name in KINDS
+    return {name for name in names if not (inside or name in ("package.xml", "CMakeLists.txt", *KINDS))}
 
 
 def _with_needed(folder: Path | None) -> list[Path]:

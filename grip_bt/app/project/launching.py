@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
@@ -27,7 +28,7 @@ def project_members(project: Project, names: Sequence[str] = ()) -> list[Member]
     members = []
     for name in names or [name for name, config in declared.items() if config.run]:
         config, folder = declared[name], project.folder
-        environment = child_environment(()) | dict(config.env)
+        environment = child_environment(more=config.env)
         again = (config.ready, config.restart, config.restarts, config.restart_delay, config.required)
         members.append(Member(name, command_of(config, folder), folder / (config.folder or "."), environment, *again))
     return members
@@ -36,18 +37,19 @@ def project_members(project: Project, names: Sequence[str] = ()) -> list[Member]
 HEAD = '<?xml version="1.0"?>\n'
 
 
-def launch_file_of(project: Project) -> str:
+def launch_file_of(project: Project, beside: Path) -> str:
     """Return the text of a launch file that starts what `grip launch` and a run start, and nothing else.
 
-    Folders are written relative to the argument `project`. What is declared with `run: false` is left out. Static
-    frames of sensors need tf2_ros, which the wheels don't have: they are under the argument `frames`, off by default.
+    Folders are written relative to the argument `project`, and that to the folder in which the file will be. What is
+    declared with `run: false` is left out. Static frames of sensors need tf2_ros, which the wheels don't have: they
+    are under the argument `frames`, off by default.
 
     Raises:
         DocumentError: a component file is wrong.
     """
     root = ElementTree.Element("launch")
-    folder = str(project.folder)
-    _add(root, "arg", name="project", default=folder, description="folder of the project")
+    home = Path("$(dirname)", os.path.relpath(project.folder, beside.resolve()))
+    _add(root, "arg", name="project", default=str(home), description="folder of the project")
     _add(root, "arg", name="python", default="python3", description="the Python that has grip-bt")
     _add(root, "arg", name="frames", default="false", description="publish the frames of sensors; needs tf2_ros")
     for name, process in project.file.processes.items():

@@ -233,6 +233,9 @@ def _check_type(
     if "/" not in field.type:
         return
     package, _, message = field.type.partition("/msg/")
+    if message == "Header" and package == spec.package and message not in own:
+        told = "a `Header` without its package is of ROS 1; ROS 2 has std_msgs/Header"
+        raise _wrong(spec, field, f"{told}, for which package.xml has to ask: <depend>std_msgs</depend>")
     if package == spec.package:
         known, where = own, "this package"
     elif package in unasked:

@@ -79,7 +79,7 @@ class Start(Settings):
     arguments: FrozenDict[str, str | bool | int | float] = FrozenDict()
     """Arguments of the launch file, by name."""
     env: FrozenDict[str, str] = FrozenDict()
-    """More environment variables."""
+    """More environment variables; a search path, such as `PYTHONPATH`, comes before what is there."""
     run: bool = True
     """Whether we start it at all; `false` keeps what is written here for later."""
     fresh: bool = False
