@@ -12,27 +12,48 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import sys
 import threading
+import time
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
 from scipy.stats import binomtest
 
-NODE = "next_object/attempt/pick/lift"
+from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.app.runs.verdict import Verdict
+from grip_bt.app.wiring.equipment import Equipment
+from grip_bt.base.errors import GripError
+from grip_bt.cli.demo import ATTEMPT, DEMOS, AttemptRecorder, demo_task, summary
+from grip_bt.compilers.binding import parts_of
+from grip_sim.faults import Fault
+
+NODE = f"{ATTEMPT}/pick/lift"
 
 
-def trial(chance: float, seed: int) -> dict[str, Any]:
-    """Run one, in a process of its own, and return its summary."""
-    fault = f"slip: {{fault: drop, node: {NODE}, at: [0, 1.5], chance: {chance}}}"
-    command = [sys.executable, "-m", "grip_bt.cli", "demo", "reactive", "--seed", str(seed), "--json"]
-    done = subprocess.run([*command, "--fault", fault], capture_output=True, text=True, check=False)
-    if not done.stdout.strip():
-        return {"chance": chance, "seed": seed, "status": "error", "message": done.stderr[-2000:], "checks": []}
-    return {"chance": chance, "seed": seed, **json.loads(done.stdout.splitlines()[-1])}
+def trial(chance: float, seed: int, journal: Path, equipment: Equipment) -> dict[str, Any]:
+    """Run one, with what the one before has left, and return its summary."""
+    slip = {"slip": Fault(fault="drop", node=NODE, at=(0.0, 1.5), chance=chance)}
+    began = time.monotonic()
+    options = RunOptions(seed=seed, journal=journal, faults=slip)
+    try:
+        with open_session(demo_task("reactive"), options, equipment=equipment) as session:
+            runner, referee = session.runner, session.resources.referee
+            meaning = parts_of(runner.compiled)[ATTEMPT].meaning
+            clock = runner.context.clock.now
+            recorder = AttemptRecorder(ATTEMPT, DEMOS["reactive"].check, clock, referee.truth, meaning=meaning)
+            runner.observe(recorder)
+            verdict = Verdict(session)
+            result = runner.run()
+            truth = verdict.facts(result).get("truth", {})
+    except GripError as error:
+        return {"chance": chance, "seed": seed, "status": "error", "message": str(error)[-2000:], "checks": []}
+    placed = sum(state == "placed" for state in truth.values())
+    wall = time.monotonic() - began
+    return {"chance": chance, "seed": seed, "truth": truth, **summary(result, recorder.attempts, placed, len(truth), wall)}
 
 
 def share(number: int, total: int) -> str:
@@ -95,8 +116,17 @@ def main() -> int:
             (c, args.first + k) for k in range(args.trials) for c in args.chances if (c, args.first + k) not in done
         ]
 
+        ready: SimpleQueue[Equipment] = SimpleQueue()
+        for _ in range(args.jobs):
+            ready.put(Equipment(lasting=True))
+
         def run(which: tuple[float, int]) -> None:
-            row = trial(*which)
+            equipment = ready.get()
+            row = trial(*which, file.with_suffix(".sqlite"), equipment)
+            if row["status"] == "error":
+                equipment.close()
+                equipment = Equipment(lasting=True)
+            ready.put(equipment)
             with lock, file.open("a") as out:
                 rows.append(row)
                 print(json.dumps(row), file=out)

@@ -100,14 +100,15 @@ def run_demo(args: argparse.Namespace) -> int:
     wall, truth = time.monotonic() - began, end.get("truth", {})
     placed = sum(state == "placed" for state in truth.values())
     if args.json:
-        print(json.dumps(_summary(result, recorder.attempts, placed, len(truth), wall)))
+        print(json.dumps(summary(result, recorder.attempts, placed, len(truth), wall)))
     else:
         print(f"\n{sentence(end)}. The referee: {placed} of {len(truth)} objects lie in the crate ({words(truth)}).")
         print(f"{result.duration:.1f} s on the run's clock, {wall:.1f} s in all; run {run_id} in {journal}")
     return exit_status(end)
 
 
-def _summary(result: RunResult, attempts: list[Attempt], placed: int, objects: int, wall: float) -> dict[str, Any]:
+def summary(result: RunResult, attempts: list[Attempt], placed: int, objects: int, wall: float) -> dict[str, Any]:
+    """Return what a demonstration comes to; `wall` is in s."""
     return {
         "status": result.status,
         "outcome": result.outcome,
