@@ -53,7 +53,12 @@ def trial(chance: float, seed: int, journal: Path, equipment: Equipment) -> dict
         return {"chance": chance, "seed": seed, "status": "error", "message": str(error)[-2000:], "checks": []}
     placed = sum(state == "placed" for state in truth.values())
     wall = time.monotonic() - began
-    return {"chance": chance, "seed": seed, "truth": truth, **summary(result, recorder.attempts, placed, len(truth), wall)}
+    return {
+        "chance": chance,
+        "seed": seed,
+        "truth": truth,
+        **summary(result, recorder.attempts, placed, len(truth), wall),
+    }
 
 
 def share(number: int, total: int) -> str:

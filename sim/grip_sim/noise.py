@@ -23,6 +23,8 @@ from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
 from grip_bt.base.arrays import Array
+from grip_bt.base.values import Pose
+from grip_bt.base.values.pose import quaternion_of
 from grip_bt.base.yaml.models import NotNegative as Amount
 from grip_bt.base.yaml.models import Positive
 
@@ -47,6 +49,9 @@ class NoiseSpec:
         nearest: nothing is measured nearer than this [m].
         colour: standard deviation of each colour, of 255.
         latency: the frame shows the world as it was so long ago, in simulated time [s].
+        misplaced: standard deviation of where a frame says that it was taken, along each axis, as inexact kinematics
+            and mounts have it; drawn anew for each frame [m].
+        misturned: likewise of how the camera was turned, about each axis [rad].
     """
 
     constant: Amount = 0.0
@@ -62,6 +67,8 @@ class NoiseSpec:
     nearest: Amount = 0.0
     colour: Amount = 0.0
     latency: Annotated[float, Field(ge=0, le=10)] = 0.0
+    misplaced: Amount = 0.0
+    misturned: Amount = 0.0
 
     def deviation(self, depth: Array, focal: float, cosine: Array | float = 1.0) -> Array:
         """Return the standard deviation of depth [m]."""
@@ -96,6 +103,13 @@ class NoiseSpec:
             return image
         off = np.random.default_rng([*seed, 1]).standard_normal(image.shape, np.float32) * self.colour
         return np.clip(np.round(image + off), 0, 255).astype(np.uint8)
+
+    def on_pose(self, pose: Pose, seed: list[int]) -> Pose:
+        """Return the pose [m] that a frame taken at one says, likewise."""
+        if not (self.misplaced or self.misturned):
+            return pose
+        shift, turn = np.random.default_rng([*seed, 2]).standard_normal((2, 3))
+        return pose @ Pose(self.misplaced * shift, quaternion_of(*self.misturned * turn))
 
 
 def _across_edges(depth: NDArray[np.float32], edge: float) -> NDArray[np.float32]:

@@ -82,7 +82,9 @@ class Rig:
         rays = info.rays()
         cosine = -np.einsum("ijk,ijk->ij", frame.normals, rays) / np.linalg.norm(rays, axis=2)
         depth = noise.on_depth(frame.depth, cosine, float(info.matrix[0, 0]), seed)
-        return replace(frame, depth=depth, image=noise.on_image(frame.image, seed))
+        return replace(
+            frame, depth=depth, image=noise.on_image(frame.image, seed), pose=noise.on_pose(frame.pose, seed)
+        )
 
     def view(self, camera: str | CameraSpec) -> Frame:
         """Show what is there now by a camera, or one that isn't among them, without its sensor's faults; see `look`."""
