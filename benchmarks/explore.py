@@ -139,8 +139,8 @@ def trial(views: str, seed: int, journal: Path, equipment: Equipment) -> dict[st
         surface = visible_surface(spec, places)
         clouds = [np.asarray(cloud.points, float) for cloud in referee.values["clouds"]]
         merged = np.asarray(referee.values["cloud"].points, float)
-        row["cover"] = {views: coverage(surface, merged), "fixed": coverage(surface, clouds[0])}
-        if views != "fixed":
+        row["cover"] = {views: coverage(surface, merged)}
+        if views == "registered":
             row["cover"]["kinematics"] = coverage(surface, np.concatenate(clouds))
         if views == "registered" and len(referee.values.get("corrections", ())) == len(referee.said):
             row |= registration(surface, referee.true, referee.said, referee.values["corrections"])

@@ -3,6 +3,7 @@
 Each cloud is registered to those before it together, and then once more to all the others, beginning where it is: what
 the kinematics say is the prior. In the end everything is moved as one so that the clouds are, on the whole, where the
 kinematics had them: their errors differ from view to view, and what all views say is better than what any of them does.
+Where the height of the table is known, what all of them see of it is put there.
 """
 
 from __future__ import annotations
@@ -13,16 +14,19 @@ import small_gicp
 ROUNDS = 1  # in which each cloud is registered to all others; before, each is to those before it
 FARTHEST = 0.05  # a cloud that would be moved by more has found something else [m]
 COARSE = 1.5  # cells of the clouds that are fitted are larger than those of the merged one by this
+THICK = 0.02  # what is so near to where the table should be may be the table [m]
+FEW = 100  # fewer points are no table
 FEWEST = 0.3  # share of a cloud's points that have to have a neighbour in another cloud
 
 
-def register(clouds, cell, reach):
+def register(clouds, cell, reach, table=np.nan):
     """Return what moves each cloud, shape (k, 4, 4), and the mean distance of neighbouring points [m].
 
     Args:
         clouds: arrays of shape (n, 3) [m].
         cell: edge of the cells that they are thinned out by [m].
         reach: points farther apart than this don't belong together [m].
+        table: height of the level table that they show [m]; NaN where it isn't known.
     """
     cell *= COARSE
     whole = [small_gicp.preprocess_points(cloud, downsampling_resolution=cell)[0] for cloud in clouds]
@@ -33,6 +37,13 @@ def register(clouds, cell, reach):
             beside = [applied(moved[i], points_of(whole[i])) for i in others if i != k]
             moved[k] = fitted(whole[k], np.concatenate(beside), moved[k], cell, reach / (1 + round_))
     back = settled([points_of(each) for each in whole], moved)
+    if np.isfinite(table):
+        back = (
+            levelled(
+                np.concatenate([applied(back @ m, points_of(w)) for m, w in zip(moved, whole, strict=True)]), table
+            )
+            @ back
+        )
     moved = [back @ each for each in moved]
     return np.array(moved), residual([applied(m, points_of(each)) for m, each in zip(moved, whole, strict=True)], reach)
 
@@ -58,6 +69,24 @@ def settled(clouds, moved):
     back = np.eye(4)
     back[:3, :3], back[:3, 3] = turn, b - turn @ a
     return back
+
+
+def levelled(points, table):
+    """Return the motion that brings the plane of points near a table to its height [m], shape (4, 4)."""
+    slope, near = np.array([0.0, 0.0, table]), THICK
+    for _ in range(5):  # what stands on the table leaves the fit, the nearer it comes
+        on = points[np.abs(points[:, :2] @ slope[:2] + slope[2] - points[:, 2]) < near]
+        if len(on) < FEW:
+            return np.eye(4)
+        slope = np.linalg.lstsq(np.column_stack([on[:, :2], np.ones(len(on))]), on[:, 2], rcond=None)[0]
+        near = max(near / 2, THICK / 6)
+    normal = np.array([-slope[0], -slope[1], 1.0]) / np.linalg.norm([slope[0], slope[1], 1.0])
+    side = np.cross([0.0, 1.0, 0.0], normal) / np.linalg.norm(np.cross([0.0, 1.0, 0.0], normal))
+    found = np.eye(4)
+    found[:3, :3] = np.array([side, np.cross(normal, side), normal])
+    middle = np.append(points[:, :2].mean(axis=0), 1.0)
+    found[:3, 3] = [*middle[:2], table] - found[:3, :3] @ [*middle[:2], middle @ slope]
+    return found
 
 
 def residual(clouds, reach):

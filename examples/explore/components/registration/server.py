@@ -57,7 +57,7 @@ class Registration(Node):
         response.outcome = POOR
         if len(clouds) != len(request.input) or not clouds:
             return response
-        moved, response.residual = register(clouds, request.cell, request.reach)
+        moved, response.residual = register(clouds, request.cell, request.reach, request.table)
         whole = merged([applied(m, cloud) for m, cloud in zip(moved, clouds, strict=True)], request.cell)
         response.returned_object = cloud_of(request.input[0].header, whole)
         response.corrections = [pose_of(m) for m in moved]
