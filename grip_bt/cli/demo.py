@@ -28,7 +28,7 @@ from grip_bt.task import walk
 from grip_sim.referee import ObjectTruth
 
 ATTEMPT = "next_object/attempt"
-"""Path of the node that is one attempt, in every demonstration."""
+"""Path of the node that is one attempt, where things are taken one after the other."""
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,15 @@ class Demo:
         task: its file's name without `.yaml`.
         doc: a sentence for people.
         check: path of the leaf that checks whether something is held.
+        attempt: path of the node that is one attempt.
+        project: its folder among the examples.
     """
 
     task: str
     doc: str
     check: str
+    attempt: str = ATTEMPT
+    project: str = ""
 
 
 DEMOS = {
@@ -56,6 +60,13 @@ DEMOS = {
         "reactive",
         "Placing only after a component's image difference says that the object was taken; else another pose is drawn.",
         f"{ATTEMPT}/check/grasped",
+    ),
+    "explore": Demo(
+        "explore",
+        "A camera on the wrist looks at a heap from all sides; a component registers the views; one thing is taken.",
+        "attempt/check",
+        "attempt",
+        "explore",
     ),
 }
 
@@ -85,12 +96,12 @@ def run_demo(args: argparse.Namespace) -> int:
         on_stop(session.runner.stop)
         referee = session.resources.referee
         recorder = AttemptRecorder(
-            ATTEMPT,
+            demo.attempt,
             demo.check,
             session.runner.context.clock.now,
             referee.truth if referee is not None else None,
             lambda attempt: say(attempt_line(attempt)),
-            parts_of(session.runner.compiled)[ATTEMPT].meaning,
+            parts_of(session.runner.compiled)[demo.attempt].meaning,
         )
         session.runner.observe(recorder)
         verdict = Verdict(session)
@@ -102,7 +113,7 @@ def run_demo(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps(summary(result, recorder.attempts, placed, len(truth), wall)))
     else:
-        print(f"\n{sentence(end)}. The referee: {placed} of {len(truth)} objects lie in the crate ({words(truth)}).")
+        print(f"\n{sentence(end)}. The referee: {words(truth)}.")
         print(f"{result.duration:.1f} s on the run's clock, {wall:.1f} s in all; run {run_id} in {journal}")
     return exit_status(end)
 
@@ -136,7 +147,7 @@ def _show(task: Path, args: argparse.Namespace) -> int:
 
 def demo_task(name: str = "clear_table") -> Path:
     """Return a demonstration's task file."""
-    return examples_folder() / "tasks" / f"{DEMOS[name].task}.yaml"
+    return examples_folder() / DEMOS[name].project / "tasks" / f"{DEMOS[name].task}.yaml"
 
 
 _Truth = Callable[[], Mapping[str, ObjectTruth]]
@@ -234,7 +245,7 @@ def attempt_line(attempt: Attempt) -> str:
     elif attempt.failure is not None:
         how = f"failed at {attempt.where or 'the task'}: {attempt.failure}"
     elif attempt.outcome == "success":
-        how = "held, and put into the crate" if attempt.held else "put into the crate, it says; the hand was empty"
+        how = "done, and held" if attempt.held else "done, it says; the hand was empty when that was checked"
     elif attempt.said:
         how = f"not placed: the check says {attempt.said}, the hand {'held' if attempt.held else 'held nothing'}"
         how += f" {attempt.target}" if attempt.target in attempt.held else ""
