@@ -157,6 +157,12 @@ def rerun(grip: Path, work: Path, around: Surroundings) -> str:
     return _exported(grip, work, around, "rerun", b"RRF2")
 
 
+def registration(grip: Path, work: Path, around: Surroundings) -> str:
+    """Import what registers clouds."""
+    subprocess.run([grip.with_name("python"), "-c", "import small_gicp"], cwd=work, env=around, check=True)
+    return "import small_gicp"
+
+
 def _exported(grip: Path, work: Path, around: Surroundings, to: str, begins: bytes) -> str:
     _told(grip, work, around, "new", "lab")
     _told(grip, work / "lab", around, "run", "tasks/first.yaml", "--robot", "fake")
@@ -180,7 +186,7 @@ def everything(grip: Path, work: Path, around: Surroundings) -> str:
 
 SMOKES: Mapping[str, Callable[[Path, Path, Surroundings], str]] = {
     "": bare,
-    **{part.__name__: part for part in (motion, robots, vision, sim, ros, recording, rerun)},
+    **{part.__name__: part for part in (motion, robots, vision, sim, ros, recording, rerun, registration)},
     "all": everything,
 }
 """Extra -> what tries it; returns what was seen."""

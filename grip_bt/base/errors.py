@@ -85,6 +85,7 @@ EXTRAS = {
     " rosidl_typesupport_fastrtps_c rosidl_typesupport_introspection_c std_msgs trajectory_msgs unique_identifier_msgs"
     " diagnostic_msgs std_srvs",
     "parquet": "pyarrow",
+    "registration": "small_gicp",
     "recording": "mcap",
     "rerun": "rerun",
 }

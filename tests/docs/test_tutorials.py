@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -19,7 +20,8 @@ from pathlib import Path
 
 import pytest
 
-TUTORIALS = Path(__file__).parents[2] / "docs" / "tutorials"
+ROOT = Path(__file__).parents[2]
+TUTORIALS = ROOT / "docs" / "tutorials"
 PAGES = ("first_grasp", "own_node", "own_world", "own_component", "smach", "campaign", "real_robot")
 FENCE = re.compile(
     r"(?P<fails>^<!-- fails -->\n)?^```(?P<kind>\w+)(?P<said>[^\n]*)\n(?P<body>.*?)^```$", re.DOTALL | re.MULTILINE
@@ -95,7 +97,7 @@ class Reader:
 @pytest.mark.parametrize("page", PAGES)
 def test_a_reader_who_types_it_sees_what_it_says(page, tmp_path, domain, request):
     (tmp_path / "work").mkdir()
-    reader, said = Reader(tmp_path / "work", domain), ""
+    reader = Reader(tmp_path / "work", domain)
     request.addfinalizer(reader.leaves)
     for before in PAGES[: PAGES.index(page)]:
         for fence in fences(before):
@@ -104,6 +106,12 @@ def test_a_reader_who_types_it_sees_what_it_says(page, tmp_path, domain, request
             elif fence.kind == "sh" and not fence.fails:
                 kept = "\n".join(line for line in fence.body.splitlines() if MAKES.match(line))
                 reader.types(Fence("sh", "", kept))
+    reads(reader, page)
+
+
+def reads(reader: Reader, page: str) -> None:
+    """Type a page, and see what it says."""
+    said = ""
     for fence in fences(page):
         if fence.file:
             reader.saves(fence)
@@ -112,6 +120,18 @@ def test_a_reader_who_types_it_sees_what_it_says(page, tmp_path, domain, request
         elif fence.kind == "text":
             for line in fence.body.splitlines():
                 assert line.strip() in said, f"{line}\n--- isn't in what was said:\n{said}"
+
+
+@pytest.mark.ros
+@pytest.mark.sim
+@pytest.mark.slow
+def test_a_heap_is_explored_as_its_page_says(tmp_path, domain, request):
+    pytest.importorskip("small_gicp")
+    left_out = shutil.ignore_patterns(".grip", "__pycache__")
+    shutil.copytree(ROOT / "examples" / "explore", tmp_path / "work" / "explore", ignore=left_out)
+    reader = Reader(tmp_path / "work" / "explore", domain)
+    request.addfinalizer(reader.leaves)
+    reads(reader, "../exploring")
 
 
 def test_every_page_is_one_of_the_course():

@@ -14,7 +14,7 @@ from test_repeated_runs import NODES, PROJECT, TASK
 
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError, UnknownNameError
-from grip_bt.base.values import Trajectory
+from grip_bt.base.values import Pose, Trajectory
 from grip_sim.noise import PRESETS, NoiseSpec
 from grip_sim.simulation import start_simulation
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
@@ -146,6 +146,16 @@ def test_nothing_is_added_where_nothing_is_and_nothing_by_default():
     depth, cosine = flat(1.234)
     assert np.array_equal(NoiseSpec().on_depth(depth, cosine, FOCAL, [1]), depth)
     assert CameraSpec().noise is None
+
+
+def test_a_frame_says_a_pose_that_is_off_as_much_as_is_said_and_the_camera_stays_where_it_is():
+    sensor, true = NoiseSpec(misplaced=0.004, misturned=0.01), Pose((1.0, 2.0, 3.0), (0.5, 0.5, -0.5, 0.5))
+    off = [true.inverse() @ sensor.on_pose(true, [1, 2, k]) for k in range(400)]
+    assert np.std([pose.position for pose in off]) == pytest.approx(0.004, rel=0.1)
+    assert np.std([pose.rotation_vector() for pose in off]) == pytest.approx(0.01, rel=0.1)
+    assert NoiseSpec().on_pose(true, [1]) is true
+    world = world_of(replace(SMALL, noise=sensor))
+    assert world.look("overhead").pose != world.cameras.pose("overhead") == SMALL.info().pose
 
 
 def test_the_same_seed_gives_the_same_frames_bit_by_bit_and_another_one_others():
