@@ -14,7 +14,7 @@ from pydantic import ByteSize, TypeAdapter, ValidationError
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.capsule import write_capsule
 from grip_bt.app.runs.execute import make_room
-from grip_bt.app.runs.export import FORMATS, export_run
+from grip_bt.app.runs.export import export_run
 from grip_bt.app.runs.replay import (
     Until,
     coverage,
@@ -38,7 +38,7 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
     add("what", nargs="?", default=".", help="the project or a file in it; or a run's id, or `last`")
     add("--journal", type=Path, metavar="FILE", help="another journal")
     add("--json", action="store_true", help="print JSON")
-    add("--to", choices=tuple(FORMATS), help="export the run; Foxglove opens mcap, -o of lerobot is a folder")
+    add("--to", choices=("jsonl", "csv", "mcap", "rerun"), help="export the run; Foxglove opens mcap")
     add("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--data", action="store_true", help="show the last value of each variable that the run wrote")

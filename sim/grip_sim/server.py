@@ -23,7 +23,7 @@ from grip_bt.base.arrays import Array, Indices
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.trajectory.stopping import even_ramp
-from grip_sim.cameras.rig import Film, JointRecord
+from grip_sim.cameras.rig import Film
 from grip_sim.connection import Arrays, ClosedError, pack, receive
 from grip_sim.motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
 from grip_sim.referee import judge
@@ -51,7 +51,7 @@ class Server:
         self, connection: socket.socket, spec: WorldSpec, pace: float | None, hold: socket.socket | None = None
     ):
         self._connection, self._pace, self._hold = connection, pace, hold
-        self._films: list[Film | JointRecord] = []
+        self._film: Film | None = None
         self._motions: dict[int, Motion] = {}
         self._begin(spec)
 
@@ -166,8 +166,8 @@ class Server:
                 return
             self.world.step()
             self._tell_faults()
-            for film in self._films:
-                film.stepped(self.world.time)
+            if self._film is not None:
+                self._film.stepped(self.world.time)
         if self._pace is not None:  # messages are obeyed meanwhile, so that a stop isn't late
             self._due = began + STEPS_PER_LOOK * self.world.spec.dt / self._pace
         if time.monotonic() - self._told > TELL_TIME:
@@ -324,16 +324,14 @@ class Server:
         return {"pose": _listed(self.world.cameras.pose(camera))}
 
     def _call_film(self, number: int, view: object, video: str | None, picture: str | None) -> None:
+        self._call_end_film()
         camera = view if isinstance(view, str) else TypeAdapter(CameraSpec).validate_python(view)
         files = (None if file is None else Path(file) for file in (video, picture))
-        self._films.append(Film(self.world.cameras, camera, self.world.time, *files))
-
-    def _call_record_joints(self, number: int, file: str) -> None:
-        self._films.append(JointRecord(self.world.robot, self.world.time, Path(file)))
+        self._film = Film(self.world.cameras, camera, self.world.time, *files)
 
     def _call_end_film(self, number: int = 0) -> None:
-        films, self._films = self._films, []
-        for film in films:
+        film, self._film = self._film, None
+        if film is not None:
             film.close()
 
     def _call_move_object(self, number: int, name: str, position: list[float], quaternion: list[float]) -> None:

@@ -224,20 +224,6 @@ class Simulation(SimClient):
         place = _viewpoint(view or next((camera.name for camera in self.spec.cameras), ""))
         film, still = (None if file is None else str(file.absolute()) for file in (video, picture))
         self.ask("film", view=place if isinstance(place, str) else asdict(place), video=film, picture=still)
-        with self._filming():
-            yield
-
-    @contextmanager
-    def recorded(self, folder: Path) -> Iterator[None]:
-        """Film the world by each of its cameras, `folder/CAMERA.mp4`, and keep what joints do: `folder/joints.npz`."""
-        self.ask("record_joints", file=str(folder / "joints.npz"))
-        for camera in self.spec.cameras:
-            self.ask("film", view=camera.name, video=str(folder / f"{camera.name}.mp4"), picture=None)
-        with self._filming():
-            yield
-
-    @contextmanager
-    def _filming(self) -> Iterator[None]:
         try:
             yield
         finally:

@@ -122,7 +122,7 @@ def test_unknown_formats_and_runs_are_named_with_those_that_exist(book: tuple[Pa
             export_run(reader, "nope", tmp_path / "x", "csv")
 
 
-@pytest.mark.parametrize("to", sorted({*FORMATS} - {"rerun", "lerobot"}))
+@pytest.mark.parametrize("to", sorted({*FORMATS} - {"rerun"}))
 def test_the_command_exports_a_run_by_id_beginning_or_last(
     to: str, book: tuple[Path, str], tmp_path: Path, capsys: Any
 ) -> None:

@@ -18,7 +18,6 @@ from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import DepthImage, Grasp, Image, PointCloud, Pose, RgbdFrame
 from grip_bt.runtime import Event, JournalReader, RunRecord
 
-from .export_lerobot import write_lerobot
 from .export_rerun import write_rerun
 
 Message = tuple[str, dict[str, Any]]
@@ -115,7 +114,7 @@ COLUMNS = ("seq", "t", "wall", "path", "event", "outcome", "code", "data", "mean
 
 
 def export_run(reader: JournalReader, run: str, file: Path, to: str) -> int:
-    """Write the events of a run to a file as one of `FORMATS`; return how many there were.
+    """Write the events of a run to a file as `jsonl`, `csv`, `mcap` or `rerun`; return how many there were.
 
     Raises:
         UnknownNameError: there is no such run or format.
@@ -232,5 +231,4 @@ FORMATS: dict[str, Callable[[JournalReader, RunRecord, Path], AbstractContextMan
     "csv": _csv,
     "mcap": _mcap,
     "rerun": write_rerun,
-    "lerobot": write_lerobot,
 }

@@ -174,7 +174,7 @@ def plan_resume(
                     raise ResumeError(f"run {record.id} {still}")
                 time.sleep(0.05)
     until = None if at is None else _event_at(record, events, at)
-    file = task if task is not None else recorded_file(record.task_path, journal)
+    file = task if task is not None else _recorded_file(record.task_path, journal)
     started = next((event for event in events if event.event == "run_started"), None)
     was = dict(started.data.get("options", {})) if started is not None else {}
     values = dict(options.data)
@@ -199,7 +199,7 @@ def plan_resume(
     return ResumePlan(file, replace(options, resume=request), asked, notes)
 
 
-def recorded_file(recorded: str, journal: Path) -> Path:
+def _recorded_file(recorded: str, journal: Path) -> Path:
     """Return the task's file as recorded, from here or from the project's folder."""
     path = Path(recorded)
     folder = journal.absolute().parent.parent if journal.parent.name == ".grip" else Path.cwd()

@@ -19,7 +19,6 @@ from grip_sim.cameras.looks import Target
 from grip_sim.cameras.raster import RasterRenderer
 from grip_sim.faults import Faults, darkened
 from grip_sim.physics import physx
-from grip_sim.robot import SimRobot
 from grip_sim.specs import CameraSpec, WorldSpec
 
 
@@ -177,24 +176,3 @@ class Film:
 
     def _frame(self) -> np.ndarray:
         return np.ascontiguousarray(self._cameras.view(self._camera).image[:, :, ::-1])
-
-
-class JointRecord:
-    """Notes where joints are and where they are sent, for each frame of a `Film` that is made beside it."""
-
-    def __init__(self, robot: SimRobot, start: float, file: Path):
-        self._robot, self._start, self._file = robot, start, file
-        self._joints = np.arange(len(robot.positions()))
-        self._rows: list[tuple[Array, Array]] = []
-        self.stepped(start)
-
-    def stepped(self, time: float) -> None:
-        """Note what is due at a time of the world [s]."""
-        while time >= self._start + len(self._rows) / RATE - 1e-9:
-            self._rows.append((self._robot.positions(), self._robot.targets(self._joints)))
-
-    def close(self) -> None:
-        """Write the file: `names`, and `positions` and `targets` of shape (frames, joints) [rad or m]."""
-        positions, targets = (np.array(each) for each in zip(*self._rows, strict=True))
-        names = np.array(self._robot.measure(self._joints).names)
-        np.savez(self._file, names=names, positions=positions, targets=targets)
