@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -152,7 +151,7 @@ def _pairs(args: argparse.Namespace, option: str) -> dict[str, str]:
 
 def _facts(robot: RobotDescription, packages: Sequence[MoveItPackage]) -> dict[str, Any]:
     """Return a robot's groups, joints, limits, end effectors, states, and what can plan for it, as JSON data."""
-    joints = Tree(ET.fromstring(robot.urdf)).joints
+    joints = Tree.of(robot.urdf).joints
     return {
         "name": robot.name,
         "base_link": robot.base_link,

@@ -8,19 +8,17 @@ linearly, orientations along the shortest turn (slerp, Shoemake 1985). Nothing i
 from __future__ import annotations
 
 import bisect
-import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
-from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
-from grip_bt.commanders.description.xml import origin_of
+from grip_bt.commanders.description.tree import Tree
 from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 
 ROOT = "world"
@@ -30,39 +28,6 @@ class FrameError(ExpectedError):
     """A frame isn't there, or isn't connected with another."""
 
     code = "no_frame"
-
-
-@dataclass(frozen=True)
-class UrdfJoint:
-    """A joint of a URDF.
-
-    Attributes:
-        type: such as `fixed` or `prismatic`.
-        origin: of the joint in its parent link's frame.
-        axis: shape (3,), of unit length.
-    """
-
-    name: str
-    type: str
-    link: str
-    origin: Pose
-    axis: Array
-
-    def pose(self, q: float) -> Pose:
-        """Return the pose of its link in the parent link, at a position [rad or m]."""
-        if self.type == "prismatic":
-            return self.origin @ Pose(self.axis * q)
-        return self.origin @ Pose((0.0, 0.0, 0.0), (np.cos(q / 2), *np.sin(q / 2) * self.axis))
-
-
-def joints_of(urdf: str) -> Iterator[UrdfJoint]:
-    """Yield the joints of a URDF."""
-    for joint in ET.fromstring(urdf).findall("joint"):
-        parts = {part.tag: part.attrib for part in joint}
-        along = np.array(parts.get("axis", {}).get("xyz", "1 0 0").split(), float)
-        along /= np.linalg.norm(along) or 1.0
-        names = joint.get("name", ""), joint.get("type", ""), parts["child"]["link"]
-        yield UrdfJoint(*names, origin_of(joint, parts["parent"]["link"]), along)
 
 
 class FrameTree:
@@ -78,11 +43,9 @@ class FrameTree:
     @classmethod
     def of_urdf(cls, urdf: str, root: str = ROOT) -> FrameTree:
         """Return the links that fixed joints connect; the description's own root link is where `root` is."""
-        joints = list(joints_of(urdf))
-        carried = {root, *(joint.link for joint in joints)}
-        links = [link.attrib["name"] for link in ET.fromstring(urdf).findall("link")]
-        bases = {link: Pose(frame=root) for link in links if link not in carried}
-        return cls({joint.link: joint.origin for joint in joints if joint.type == "fixed"} | bases)
+        tree = Tree.of(urdf)
+        fixed = {joint.child: joint.origin for joint in tree.joints.values() if joint.type == "fixed"}
+        return cls(fixed | ({} if tree.root == root else {tree.root: Pose(frame=root)}))
 
     def with_poses(self, poses: Mapping[str, Pose]) -> FrameTree:
         """Return a tree with more frames."""

@@ -26,7 +26,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Camera, Executor
 from grip_bt.base.values import DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_bt.commanders.description.tree import MOVABLE
+from grip_bt.commanders.description.tree import Tree
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.convert_values import (
     camera_to_message,
@@ -40,7 +40,7 @@ from grip_bt.ros.convert_values import (
 from grip_bt.ros.interfaces.build import ensure_package
 
 from .client.types import Message, load_type
-from .frames import FrameTree, joints_of
+from .frames import FrameTree
 
 TYPE = "sensor_msgs/msg/JointState"
 RATE = 50.0
@@ -346,9 +346,8 @@ class RobotStatePublisher(Published):
     ):
         ensure_package("tf2_msgs")
         self._bus, self._executors, self._period, self._now = bus, executors, 1 / rate, now
-        self._joints = [joint for joint in joints_of(description.urdf) if joint.type in MOVABLE]
-        self._mimics = description.mimics
-        self._rest = description.at_rest
+        self._joints = [joint for joint in Tree.of(description.urdf).joints.values() if joint.movable]
+        self._robot = description
         self._type, text = load_type("tf2_msgs/msg/TFMessage"), load_type("std_msgs/msg/String")
         frames = FrameTree.of_urdf(description.urdf).with_poses(fixed).poses
         node = bus.node
@@ -368,14 +367,13 @@ class RobotStatePublisher(Published):
     def _publish(self) -> None:
         while not self._closed.wait(self._period):
             try:
-                positions = dict(self._rest)
+                positions = dict(self._robot.at_rest)
                 for executor in self._executors:
                     positions |= executor.state().as_mapping()
             except GripError:
                 return  # what measures has ended; whoever runs it says so
-            for name, mimic in self._mimics.items():
-                positions[name] = mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset
-            poses = {joint.link: joint.pose(positions.get(joint.name, 0.0)) for joint in self._joints}
+            there = self._robot.with_followers(positions)
+            poses = {joint.child: joint.pose(there.get(joint.name, 0.0)) for joint in self._joints}
             message = self._message(poses)
             self._bus.post(partial(self._moving.publish, message))
 

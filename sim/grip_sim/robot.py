@@ -62,8 +62,7 @@ class SimRobot:
         self._set_drives(scene.timestep)
         self._let_neighbours_pass()
         rest = {j: q for j, q in description.at_rest.items() if j in self._rows}
-        following = {j: m.multiplier * rest.get(m.joint, 0.0) + m.offset for j, m in description.mimics.items()}
-        self.place(rest | following)
+        self.place(description.with_followers(rest))
 
     def rows(self, names: Sequence[str]) -> Indices:
         """Return the indices of joints, for the other methods."""

@@ -23,13 +23,12 @@ LISTENER = Path(__file__).parent / "data" / "plain_listener.py"
 
 @pytest.mark.parametrize("name", ["panda_allegro", "ur10_shadow", "xarm7_gripper", "two_ur5_allegro"])
 def test_joints_move_their_links_as_pinocchio_has_it(name):
-    from grip_bt.commanders.description.tree import MOVABLE
-    from grip_bt.ros.frames import joints_of
+    from grip_bt.commanders.description.tree import Tree
 
     robot = load_robot(name)
     model = pin.buildModelFromXML(robot.urdf)
     data, rng = model.createData(), np.random.default_rng(7)
-    joints = [joint for joint in joints_of(robot.urdf) if joint.type in MOVABLE]
+    joints = [joint for joint in Tree.of(robot.urdf).joints.values() if joint.movable]
     assert {joint.name for joint in joints} == {str(n) for n in model.names if n != "universe"}
     for _ in range(5):
         q = rng.uniform(-0.8, 0.8, model.nq)
@@ -37,7 +36,7 @@ def test_joints_move_their_links_as_pinocchio_has_it(name):
         for joint in joints:
             position = float(q[model.joints[model.getJointId(joint.name)].idx_q])
             parent = data.oMf[model.getFrameId(joint.origin.frame)]
-            link = data.oMf[model.getFrameId(joint.link)]
+            link = data.oMf[model.getFrameId(joint.child)]
             assert np.allclose(joint.pose(position).matrix(), parent.actInv(link).homogeneous, atol=1e-9)
 
 

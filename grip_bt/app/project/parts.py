@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from grip_bt.app.project.folder import ARCHIVE, MESSAGES, Project
 from grip_bt.app.project.needs import nodes_in_need, packages_here
@@ -11,7 +10,7 @@ from grip_bt.base.errors import DocumentError, GripError, MissingPartError, Unkn
 from grip_bt.base.message_store import MessageLibrary, names
 from grip_bt.commanders.description.files import FileCache
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_bt.commanders.description.tree import joints_of_fingers, links_of_groups
+from grip_bt.commanders.description.tree import Tree, joints_of_fingers, links_of_groups
 from grip_bt.commanders.taught import TaughtStates
 from grip_bt.task.catalog.project_parts import NO_CONTROLLER, UNFIT_PROJECT, PartNames, Problem, ProjectParts
 
@@ -32,7 +31,7 @@ def project_parts_of(project: Project) -> ProjectParts:
         problems = (_problem(found, "`grip robot check` lists all that is wrong with it"),)
     world = [_problem(fault) for fault in faults_of_world(project)]
     robot = None if isinstance(found, GripError) else found
-    links = [] if robot is None else [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
+    links = () if robot is None else Tree.of(robot.urdf).links
     packages = packages_here(project)
     needs = nodes_in_need(project, packages, links, robot is not None or file.robot is None)
     for name in file.sensors:
@@ -75,7 +74,7 @@ def _names_of_arm(project: Project, name: str, robot: RobotDescription, taught: 
     return {"state": {**states, **taught.states(name)}} if arm.group in robot.groups else {}
 
 
-def _names_of_hand(name: str, group: str, robot: RobotDescription, taught: TaughtStates, links: list[str]) -> Known:
+def _names_of_hand(name: str, group: str, robot: RobotDescription, taught: TaughtStates, links: Sequence[str]) -> Known:
     if group not in robot.groups:
         return {}
     fingers = joints_of_fingers(robot, group)

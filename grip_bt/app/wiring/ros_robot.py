@@ -16,6 +16,7 @@ from grip_bt.app.wiring.ros import provide_frames
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Camera, Executor, HandPort, Pausable
+from grip_bt.commanders.description.tree import Tree
 from grip_bt.commanders.pausing import PausableExecutor, PausableHand
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.controllers import (
@@ -29,7 +30,7 @@ from grip_bt.ros.controllers import (
     TopicWrench,
     TrajectoryExecutor,
 )
-from grip_bt.ros.frames import joints_of, mounted_frames
+from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.interfaces.build import ensure_package
 from grip_bt.ros.moveit import MoveGroupExecutor
@@ -71,7 +72,7 @@ def open_controllers(opening: Opening, stack: ExitStack) -> Resources:
     _wait_for_controllers(settings, bus, states, measured, progress)
     progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
     limits, jerks = robot.description.acceleration_limits, jerks_of_arms(file.arms, robot.description)
-    sliding = {joint.name for joint in joints_of(robot.description.urdf) if joint.type == "prismatic"}
+    sliding = {name for name, joint in Tree.of(robot.description.urdf).joints.items() if joint.type == "prismatic"}
     controllers = _Controllers(settings, bus, states, limits, jerks, sliding)
     executors = {
         name: PausableExecutor(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone

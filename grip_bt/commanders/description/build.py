@@ -245,7 +245,7 @@ def with_additions(robot: RobotDescription, config: RobotConfig) -> RobotDescrip
         DocumentError: an addition names something that isn't there.
         UnknownNameError: likewise.
     """
-    tree = Tree(ET.fromstring(robot.urdf))
+    tree = Tree.of(robot.urdf)
     known = Srdf(groups={name: Group(name, joints) for name, joints in robot.groups.items()})
     srdf, found = with_states(with_config(known, config), config, tree)
     if wrong := errors(found):

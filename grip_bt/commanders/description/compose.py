@@ -209,7 +209,7 @@ def _sum(parts: Sequence[RobotDescription], urdf: ET.Element, base: str) -> Robo
 
 def _carrier(arm: RobotDescription, link: str) -> str:
     """Return the smallest group whose joints carry a link; the first group where none does."""
-    for joint in Tree(ET.fromstring(arm.urdf)).upwards(link):
+    for joint in Tree.of(arm.urdf).upwards(link):
         able = [g for g, joints in arm.groups.items() if joint.name in joints]
         if able:
             return min(able, key=lambda g: len(arm.groups[g]))
@@ -217,6 +217,6 @@ def _carrier(arm: RobotDescription, link: str) -> str:
 
 
 def _find(link: str, robot: RobotDescription) -> None:
-    links = Tree(ET.fromstring(robot.urdf)).links
+    links = Tree.of(robot.urdf).links
     if link not in links:
         raise UnknownNameError("link", link, links, where=f"robot {robot.name}")

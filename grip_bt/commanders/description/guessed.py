@@ -10,15 +10,13 @@ from itertools import combinations
 
 import numpy as np
 
-from grip_bt.base.arrays import Array
 from grip_bt.base.values import JointState
-from grip_bt.base.values.pose import Pose, quaternion_about
 
 from .files import Finding
 from .robot import EndEffector, RobotDescription
 from .srdf import Group, Srdf
 from .tree import Joint, Tree
-from .xml import numbers, origin_of
+from .xml import origin_of
 
 LONGEST_FINGER = 5
 """Joints of a finger; what branches off into longer chains is no hand."""
@@ -106,7 +104,7 @@ def _named(states: Mapping[str, JointState], word: re.Pattern[str]) -> str | Non
 
 
 def _guessed(robot: RobotDescription, hand: str) -> dict[str, JointState]:
-    tree, names = Tree(ET.fromstring(robot.urdf)), robot.group(hand)
+    tree, names = Tree.of(robot.urdf), robot.group(hand)
     limits = {name: (tree.joints[name].lower, tree.joints[name].upper) for name in names}
     rest = {name: min(max(0.0, low), high) for name, (low, high) in limits.items()}
     ways = _Ways(robot, tree, hand)
@@ -125,39 +123,19 @@ class _Ways:
     """How far a hand's fingers are from one another, by forward kinematics."""
 
     def __init__(self, robot: RobotDescription, tree: Tree, hand: str):
-        self.tree, self.mimics, urdf = tree, robot.mimics, ET.fromstring(robot.urdf)
-        self.fixed = {e.get("name", ""): origin_of(e).matrix() for e in urdf.findall("joint")}
-        self.axes = {e.get("name", ""): numbers(_axis_of(e), "xyz", 3, "1 0 0") for e in urdf.findall("joint")}
+        self.robot, self.tree = robot, tree
         links = set(robot.hands[hand])
         tips = {mine[-1] for mine in robot.finger_links.values() if mine and mine[-1] in links}
         self.middles = {
-            link.get("name", ""): np.zeros(3)
-            if (at := link.find("inertial")) is None
-            else origin_of(at).matrix()[:3, 3]
-            for link in urdf.findall("link")
+            link.get("name", ""): np.zeros(3) if (at := link.find("inertial")) is None else origin_of(at).position
+            for link in ET.fromstring(robot.urdf).findall("link")
             if link.get("name") in tips
         }
 
     def apart(self, positions: Mapping[str, float]) -> float:
-        points = []
-        for tip, middle in self.middles.items():
-            point = np.array([*middle, 1.0])
+        points, there = [], self.robot.with_followers(positions)
+        for tip, point in self.middles.items():
             for joint in self.tree.upwards(tip):
-                point = self.fixed[joint.name] @ self._moved(joint, positions) @ point
-            points.append(point[:3])
+                point = joint.pose(there.get(joint.name, 0.0)).apply(point)
+            points.append(point)
         return float(sum(np.linalg.norm(a - b) for a, b in combinations(points, 2)))
-
-    def _moved(self, joint: Joint, positions: Mapping[str, float]) -> Array:
-        if not joint.movable:
-            return np.eye(4)
-        mimic, q = self.mimics.get(joint.name), positions.get(joint.name, 0.0)
-        if mimic is not None:
-            q = mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset
-        along = np.array(self.axes[joint.name])
-        if joint.type == "prismatic":
-            return Pose(along * q).matrix()
-        return Pose(quaternion=quaternion_about(along * q)).matrix()
-
-
-def _axis_of(joint: ET.Element) -> ET.Element:
-    return next(joint.iterfind("axis"), ET.Element("axis"))

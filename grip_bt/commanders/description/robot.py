@@ -176,6 +176,11 @@ class RobotDescription:
             raise UnknownNameError(f"state of group {group!r}", name, states, f"robot {self.name}")
         return states[name]
 
+    def with_followers(self, positions: Mapping[str, float]) -> dict[str, float]:
+        """Return positions [rad or m], and where joints are then that follow others; what isn't named is at 0."""
+        followed = {name: m.multiplier * positions.get(m.joint, 0.0) + m.offset for name, m in self.mimics.items()}
+        return {**positions, **followed}
+
     def urdf_without_visuals(self) -> str:
         """Return the URDF without `<visual>` elements, for a simulator that has no renderer."""
         robot = ET.fromstring(self.urdf)

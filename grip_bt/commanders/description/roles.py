@@ -6,7 +6,6 @@ doesn't say is told from the tree.
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -151,7 +150,7 @@ def arms_of(robot: RobotDescription) -> tuple[str, ...]:
     An arm is a chain that carries a hand or a tool. Of groups with a joint in common, such as an arm and the same arm
     with its torso, the one is taken that an end effector names, then one with four to seven joints, with named states.
     """
-    tree = Tree(ET.fromstring(robot.urdf))
+    tree = Tree.of(robot.urdf)
     carrying = {end.parent_group for end in robot.end_effectors}
     hands = {joint for hand in robot.hands for joint in robot.groups.get(hand, ())}
 

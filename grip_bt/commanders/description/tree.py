@@ -7,7 +7,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 
+import numpy as np
+
+from grip_bt.base.values.pose import Pose, quaternion_about
+
 from .robot import Mimic, RobotDescription
+from .xml import numbers, origin_of
 
 MOVABLE = ("revolute", "continuous", "prismatic")
 HELD = ("floating", "planar")
@@ -24,6 +29,8 @@ class Joint:
         type: one of `JOINT_TYPES`.
         parent: the link that it sits on.
         child: the link that it moves.
+        origin: of the joint in the frame of its parent.
+        axis: along which it slides, or about which it turns; of any length.
         lower: [rad or m].
         upper: [rad or m].
         velocity: [rad/s or m/s].
@@ -35,6 +42,8 @@ class Joint:
     type: str
     parent: str
     child: str
+    origin: Pose
+    axis: tuple[float, ...]
     lower: float = 0.0
     upper: float = 0.0
     velocity: float = 0.0
@@ -50,6 +59,13 @@ class Joint:
     def limited(self) -> bool:
         """Whether it has limits of its position."""
         return self.lower < self.upper
+
+    def pose(self, q: float) -> Pose:
+        """Return the pose of its child in its parent, at a position [rad or m]; its origin where it doesn't move."""
+        if not self.movable:
+            return self.origin
+        along = q * np.array(self.axis) / (np.linalg.norm(self.axis) or 1.0)
+        return self.origin @ (Pose(along) if self.type == "prismatic" else Pose(quaternion=quaternion_about(along)))
 
 
 def loop_in(edges: Mapping[str, Iterable[str]]) -> list[str]:
@@ -79,6 +95,11 @@ class Tree:
         self._below: dict[str, list[Joint]] = {}
         for joint in self.joints.values():
             self._below.setdefault(joint.parent, []).append(joint)
+
+    @classmethod
+    def of(cls, urdf: str) -> Tree:
+        """Read the text of a URDF."""
+        return cls(ET.fromstring(urdf))
 
     def below(self, link: str) -> list[Joint]:
         """Return the joints that sit on a link."""
@@ -121,14 +142,17 @@ class Tree:
 
 
 def _joint(element: ET.Element) -> Joint:
-    limit, mimic = element.find("limit"), element.find("mimic")
+    limit, mimic, axis = element.find("limit"), element.find("mimic"), element.find("axis")
     values = dict(limit.attrib) if limit is not None else {}
     lower, upper, velocity, effort = (float(values.get(name, "0")) for name in ("lower", "upper", "velocity", "effort"))
+    parent, type_ = link_at(element, "parent"), element.get("type", "")
     return Joint(
         element.get("name", ""),
-        element.get("type", ""),
-        link_at(element, "parent"),
+        type_,
+        parent,
         link_at(element, "child"),
+        origin_of(element, parent),
+        (1.0, 0.0, 0.0) if axis is None or type_ not in MOVABLE else numbers(axis, "xyz", 3, "1 0 0"),
         lower,
         upper,
         velocity,
@@ -155,7 +179,7 @@ def links_of_groups(robot: RobotDescription, groups: Mapping[str, str]) -> dict[
     Raises:
         UnknownNameError: the robot has no such group.
     """
-    tree = Tree(ET.fromstring(robot.urdf))
+    tree = Tree.of(robot.urdf)
     found = {}
     for name, group in groups.items():
         mine = robot.group(group)
@@ -173,12 +197,12 @@ def joints_of_fingers(robot: RobotDescription, group: str) -> dict[str, tuple[st
     Raises:
         UnknownNameError: the robot has no such group.
     """
-    joints, mine = Tree(ET.fromstring(robot.urdf)).joints, robot.group(group)
+    joints, mine = Tree.of(robot.urdf).joints, robot.group(group)
     found = {f: tuple(j for j in mine if joints[j].child in links) for f, links in robot.finger_links.items()}
     return {finger: joints for finger, joints in found.items() if joints}
 
 
 def limits_of_joints(robot: RobotDescription, group: str) -> dict[str, tuple[float, float]]:
     """Return the position limits [rad or m] of those of a group's joints that have some, as the URDF says."""
-    joints = Tree(ET.fromstring(robot.urdf)).joints
+    joints = Tree.of(robot.urdf).joints
     return {name: (joints[name].lower, joints[name].upper) for name in robot.group(group) if joints[name].limited}

@@ -5,7 +5,6 @@ What a task allows to touch and forbids again is as it was before: pairs that th
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -13,6 +12,7 @@ from grip_bt.base.failures import GoalRejectedError, PlannerLostError, ServerLos
 from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Steps
 from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.description.tree import Tree
 from grip_bt.commanders.scene_state import ANYTHING, SceneObject, SceneSnapshot
 
 from ..client.types import Message, load_type
@@ -34,7 +34,7 @@ class PlanningSceneSync:
 
     def __init__(self, move_group: MoveGroup, robot: RobotDescription, mounts: Mapping[str, ArmMapping]):
         self._move_group, self._mounts, self._frame = move_group, dict(mounts), robot.base_link
-        self._links = [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
+        self._links = Tree.of(robot.urdf).links
         self._sent = _EMPTY
         self._baseline: Any = None
         self._server: frozenset[bytes] = frozenset()
