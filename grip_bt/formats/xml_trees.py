@@ -17,6 +17,7 @@ from xml.sax.saxutils import escape, unescape
 
 from grip_bt.base.errors import DocumentError, NotExpressibleError, listing, nearest
 from grip_bt.base.xml import MalformedError, XmlElement, parse_xml
+from grip_bt.commanders.description.packages import name_of_package
 from grip_bt.compilers.resolve import Part
 from grip_bt.formats.imported import Issues
 from grip_bt.formats.names import free
@@ -265,7 +266,6 @@ class Document:
 
 
 _ID = re.compile(r"""<BehaviorTree\s[^>]*?\bID\s*=\s*(?:"([^"]*)"|'([^']*)')""")
-_PACKAGE = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 
 
 def subtrees_of(tree: Element) -> Iterator[str]:
@@ -302,8 +302,7 @@ class Library:
         for path in xml_files(self.root):
             text = self.text(path)
             if path.name == "package.xml":
-                named = _PACKAGE.search(text)
-                packages.setdefault(named.group(1) if named else path.parent.name, path.parent)
+                packages.setdefault(name_of_package(path.parent), path.parent)
             for found in _ID.finditer(text):
                 name = unescape(found.group(1) or found.group(2) or "")
                 trees.setdefault(name, []).append(path)

@@ -23,6 +23,7 @@ from typing import Any
 
 from grip_bt import smach_compat
 from grip_bt.base.errors import DocumentError
+from grip_bt.commanders.description.packages import name_of_package
 
 _TAB = 8
 """Columns of a tab, which Python 2 allowed to be mixed with spaces."""
@@ -115,7 +116,7 @@ def workspace_of(file: Path, bound: Path | None = None) -> Workspace:
     root = bound or (_root(package) if package is not None else file.parent)
     packages, folders = {}, [file.parent]
     for folder in _packages(root) if package is not None or bound is not None else ():
-        packages[_package_name(folder)] = folder
+        packages[name_of_package(folder) or folder.name] = folder
         folders += _module_folders(folder)
     folders += [root, root / "src", *sorted(root.glob("*/src"))]
     return Workspace(root, tuple(dict.fromkeys(f for f in folders if f.is_dir())), packages)
@@ -142,14 +143,6 @@ def _packages(root: Path) -> Iterator[Path]:
         folders[:] = sorted(f for f in folders if f[0] != "." and f not in (*_BUILT, "node_modules"))
         if "package.xml" in files or ("setup.py" in files and Path(at) != root):
             yield Path(at)
-
-
-def _package_name(folder: Path) -> str:
-    try:
-        found = re.search(r"<name>\s*([^<\s]+)", (folder / "package.xml").read_text(errors="replace"))
-    except OSError:
-        found = None
-    return found.group(1) if found else folder.name
 
 
 def _module_folders(package: Path) -> list[Path]:
