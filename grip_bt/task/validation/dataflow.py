@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from grip_bt.task import Leaf, Subtask
 from grip_bt.task.exploration import Labels
 from grip_bt.task.kind_analysis import edges_of, flow, possible
@@ -43,26 +41,6 @@ class PossibleOutcomes:
         found, reached = possible(node, labels)
         self.unreached.extend(child for name, child in placed.children.items() if name not in reached)
         return frozenset(found & placed.outcomes.keys() if node.by_edges else found)
-
-
-def machine_edges(placed: PlacedNode, labels: Mapping[str, frozenset[str]]) -> dict[str, list[str]]:
-    """Return where each child of a state machine can lead: siblings and outcomes."""
-    edges: dict[str, list[str]] = {}
-    for name, child in placed.children.items():
-        possible = labels[child.path]
-        edges[name] = [t for label, t in child.node.on.items() if label.partition(".")[0] in possible]
-    return edges
-
-
-def reachable(start: str, edges: Mapping[str, list[str]]) -> set[str]:
-    """Return everything that can be reached from `start`, itself included."""
-    seen, stack = {start}, [start]
-    while stack:
-        for target in edges.get(stack.pop(), ()):
-            if target not in seen:
-                seen.add(target)
-                stack.append(target)
-    return seen
 
 
 States = dict[str, int]

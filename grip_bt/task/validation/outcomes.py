@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.base.evaluation import same_literal
 from grip_bt.task import Parallel, StateMachine, Switch, Task
 from grip_bt.task.model import Childless, default_outcome
-from grip_bt.task.validation.dataflow import PossibleOutcomes, machine_edges, reachable
+from grip_bt.task.validation.dataflow import PossibleOutcomes
 
 from .analysis import PlacedNode, TaskAnalysis
 from .codes import suggestion
@@ -147,26 +147,21 @@ def _unused(analysis: TaskAnalysis, path: str, outcomes: Iterable[str], targets:
 
 
 def _root(analysis: TaskAnalysis, task: Task) -> None:
-    root = analysis.root
+    root, targets = analysis.root, [*task.root.on.values()]
     for label, target in task.root.on.items():
         check_label(analysis, "/", ("on", label), root, label)
         if target not in task.outcomes:
             unknown_target(analysis, "/", ("on", label), target, task.outcomes, "outcomes of the task")
     for outcome, meaning in root.outcomes.items():
-        if outcome not in task.root.on and default_outcome(task, outcome, meaning) is None:
+        if outcome in task.root.on:
+            continue
+        if (by_itself := default_outcome(task, outcome, meaning)) is not None:
+            targets.append(by_itself)
+        else:
             message = f"the root may end with {outcome!r}, which leads to no outcome of the task"
             fix = f"add `{outcome}: <one of {listing(task.outcomes)}>` to the root's `on`"
             analysis.add("/", ("on", outcome), "missing-target", message, fix)
-    _unused(analysis, "", task.outcomes, _root_targets(task, root), "`on` of the root")
-
-
-def _root_targets(task: Task, root: PlacedNode) -> Iterator[str]:
-    yield from task.root.on.values()
-    for outcome, meaning in root.outcomes.items():
-        if outcome not in task.root.on:
-            target = default_outcome(task, outcome, meaning)
-            if target is not None:
-                yield target
+    _unused(analysis, "", task.outcomes, targets, "`on` of the root")
 
 
 def check_reach(analysis: TaskAnalysis, possible: PossibleOutcomes) -> None:
@@ -185,18 +180,32 @@ def check_reach(analysis: TaskAnalysis, possible: PossibleOutcomes) -> None:
 
 
 def _ends(analysis: TaskAnalysis, placed: PlacedNode, node: StateMachine, possible: PossibleOutcomes) -> None:
-    edges = machine_edges(placed, {c.path: possible.labels(c) for c in placed.children.values()})
+    edges = {
+        name: [t for label, t in child.node.on.items() if label.partition(".")[0] in possible.labels(child)]
+        for name, child in placed.children.items()
+    }
     back: dict[str, list[str]] = {}
     for source, targets in edges.items():
         for target in targets:
             back.setdefault(target, []).append(source)
-    ending = {name for outcome in node.outcomes for name in reachable(outcome, back)}
+    ending = {name for outcome in node.outcomes for name in _reachable(outcome, back)}
     if node.initial not in ending:
         message = "it can't end: no path from `initial` leads to one of its outcomes"
         analysis.add(placed.path, "outcomes", "endless-machine", message, "let `on` of a child lead to an outcome")
         return
-    reached = reachable(node.initial, edges)
+    reached = _reachable(node.initial, edges)
     for name, child in placed.children.items():
         if name in reached and name not in ending and edges[name]:
             message = f"{placed.path} can't end once it is reached"
             analysis.add(child.path, "on", "dead-end", message, "let a path from here lead to an outcome")
+
+
+def _reachable(start: str, edges: Mapping[str, list[str]]) -> set[str]:
+    """Return everything that can be reached from `start`, itself included."""
+    seen, stack = {start}, [start]
+    while stack:
+        for target in edges.get(stack.pop(), ()):
+            if target not in seen:
+                seen.add(target)
+                stack.append(target)
+    return seen
