@@ -17,6 +17,7 @@ from grip_bt.nodes.function import FunctionLeaf, type_name
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.task import Task, dumps, loads
 from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.edit.paste import fresh_name
 from grip_bt.task.model import KINDS, Variable, type_of
 
 _NOTHING = object()
@@ -170,10 +171,7 @@ def _plain(value: Any) -> Any:
 def _named_apart(parts: Sequence[Part]) -> Iterator[tuple[str, Part]]:
     taken: set[str] = set()
     for part in parts:
-        name, number = part.name, 1
-        while name in taken:
-            number += 1
-            name = f"{part.name}_{number}"
+        name = fresh_name(part.name, taken)
         taken.add(name)
         yield name, part
 

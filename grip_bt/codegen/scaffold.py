@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from grip_bt.base.errors import GripError, ProjectExistsError
+from grip_bt.base.yaml.scalars import quoted
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec
 
@@ -76,10 +77,10 @@ def component_text(
     data = {"name": name, "interface": interface.type_name, "server": server, "outcomes": outcomes, "meaning": meaning}
     ComponentFile.model_validate({**data, "ports": ports})
     lines = [f"name: {name}"]
-    lines += [f"doc: {_quoted(interface.doc)}"] if interface.doc else []
+    lines += [f"doc: {quoted(interface.doc)}"] if interface.doc else []
     lines += [f"interface: {interface.type_name}", f"server: {server}"]
     if isinstance(outcomes, dict):
-        lines += ["outcomes:", *(f"  {label}: {_quoted(rule)}" for label, rule in outcomes.items())]
+        lines += ["outcomes:", *(f"  {label}: {quoted(rule)}" for label, rule in outcomes.items())]
     elif isinstance(outcomes, list):
         lines += [f"outcomes: [{', '.join(outcomes)}]      # the numbers 0, 1, 2 ... of the field `outcome`"]
     else:
@@ -95,11 +96,6 @@ def component_text(
 def _port(field: FieldSpec) -> str:
     value = VALUE_OF.get(field.type, "")
     return f"list[{value}]" if value and field.array else value
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
 
 
 Language = Literal["python", "cpp"]

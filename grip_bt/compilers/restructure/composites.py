@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.edit.paste import fresh_name
 from grip_bt.task.model import AnyNode, Fallback, Force, Meaning, Repeat, Sequence, StateMachine
 
 from ..resolve import Part
@@ -123,10 +124,7 @@ class Composer:
         return self.named(f"try_{item.name}", node, ends, places)
 
     def named(self, name: str, node: AnyNode, ends: tuple[Arc, ...], places: Mapping[str, Place]) -> Item:
-        free, number = name, 1
-        while free in self.taken:
-            number += 1
-            free = f"{name}_{number}"
+        free = fresh_name(name, self.taken)
         self.taken.add(free)
         return Item(free, node, ends, {state: (free, *place) for state, place in places.items()})
 
