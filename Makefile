@@ -84,7 +84,7 @@ docs: ## build the documentation as a site into build/site
 	@.venv-docs/bin/python -m pip install --disable-pip-version-check -q -r requirements/docs.txt \
 	    2> >(grep -v '^WARNING: Location' >&2)
 	@.venv-docs/bin/zensical build --strict
-	@echo "open build/site/index.html"
+	@echo "built into build/site; \`grip docs\` shows it, with its search"
 
 gui: $(STAMP) ## build the page into gui/grip_gui/static
 	@$(NODE) sh -c "cd gui/frontend && npm ci --no-audit --no-fund && npm run build"

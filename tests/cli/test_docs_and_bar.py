@@ -2,6 +2,8 @@
 
 import io
 import subprocess
+import threading
+from urllib.request import urlopen
 
 import pytest
 
@@ -12,14 +14,14 @@ from grip_bt.cli.__main__ import main
 @pytest.fixture
 def site(tmp_path, monkeypatch):
     (tmp_path / "tutorials").mkdir()
-    for name in ("index", "running", "404", "tutorials/first_grasp"):
-        (tmp_path / f"{name}.html").write_text("<html>")
+    for name in ("index", "running", "tutorials/first_grasp"):
+        (tmp_path / f"{name}.html").write_text(f"<html>{name}")
     monkeypatch.setattr(docs, "_SITES", (tmp_path / "not_there", tmp_path))
     return tmp_path
 
 
 @pytest.mark.parametrize(
-    ("word", "file"),
+    ("word", "page"),
     [
         ([], "index.html"),
         (["running#stop"], "running.html#stop"),
@@ -27,11 +29,22 @@ def site(tmp_path, monkeypatch):
         (["first_grasp"], "tutorials/first_grasp.html"),
     ],
 )
-def test_a_page_is_opened_by_its_name(site, capsys, monkeypatch, word, file):
-    opened = []
+def test_a_page_is_served_and_opened_by_its_name(site, capsys, monkeypatch, word, page):
+    opened, read = [], []
+
+    def answer_once(server):
+        address = f"http://127.0.0.1:{server.server_port}/{page}"
+        reader = threading.Thread(target=lambda: read.append(urlopen(address).read().decode()))
+        reader.start()
+        server.handle_request()
+        reader.join()
+
     monkeypatch.setattr(docs.webbrowser, "open", opened.append)
+    monkeypatch.setattr(docs.ThreadingHTTPServer, "serve_forever", answer_once)
     assert main(["docs", *word]) == 0
-    assert opened == [capsys.readouterr().out.strip()] == [f"{site.as_uri()}/{file}"]
+    assert opened == [capsys.readouterr().out.splitlines()[0]]
+    assert opened[0].endswith(f"/{page}")
+    assert read == [f"<html>{page.partition('.')[0]}"]
     assert main(["docs", *word, "--no-browser"]) == 0
     assert len(opened) == 1
 
