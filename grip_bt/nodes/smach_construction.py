@@ -150,13 +150,16 @@ def run_as_main(path: Path) -> Callable[[], None]:
 def built_in(path: Path, line: int, code: Callable[[], Any], number: int = 0) -> Any:
     """Return the `number`th container that code builds at a line of a file; a machine that it would execute ends it.
 
+    Line 0 stands for the machine that it would execute, wherever that is made.
+
     Raises:
         LookupError: it builds none there, this time.
     """
     prepare_imports(path.resolve())
     construction = Construction()
     construction.run(code)
-    found = construction.built_at(str(path.resolve()), line)
+    caught = [] if construction.caught is None else [construction.caught]
+    found = construction.built_at(str(path.resolve()), line) if line else caught
     if number >= len(found):
         raise LookupError(f"{path}:{line}: no machine was built there; has the file changed since it was imported?")
     return found[number]

@@ -114,12 +114,16 @@ def workspace_of(file: Path, bound: Path | None = None) -> Workspace:
     """Return the workspace around a file, found by `package.xml` and `setup.py`; `bound`: its folder, if known."""
     package = next((p for p in file.parents if (p / "package.xml").is_file() or (p / "setup.py").is_file()), None)
     root = bound or (_root(package) if package is not None else file.parent)
-    packages, folders = {}, [file.parent]
+    packages, folders = {}, [file.parent, _above_package(file)]
     for folder in _packages(root) if package is not None or bound is not None else ():
         packages[name_of_package(folder) or folder.name] = folder
         folders += _module_folders(folder)
     folders += [root, root / "src", *sorted(root.glob("*/src"))]
     return Workspace(root, tuple(dict.fromkeys(f for f in folders if f.is_dir())), packages)
+
+
+def _above_package(file: Path) -> Path:
+    return file.parents[module_name(file).count(".")] if (file.parent / "__init__.py").is_file() else file.parent
 
 
 def _root(package: Path) -> Path:
@@ -194,7 +198,8 @@ def module_name(path: Path) -> str:
     while (folder / "__init__.py").is_file():
         names.insert(0, folder.name)
         folder = folder.parent
-    return ".".join(names) if len(names) > 1 else f"grip_legacy_{sha256(str(path).encode()).hexdigest()[:12]}"
+    packaged = len(names) > 1 and names[0] not in sys.stdlib_module_names  # a folder `test` is no module of Python
+    return ".".join(names) if packaged else f"grip_legacy_{sha256(str(path).encode()).hexdigest()[:12]}"
 
 
 _finder = LegacyFinder(())
@@ -203,8 +208,7 @@ _finder = LegacyFinder(())
 def prepare_imports(path: Path, ros: bool = True) -> None:
     """Have a legacy file find `smach`, `rospy`, its neighbours, and the packages of its workspace, after all others."""
     smach_compat.install(ros=ros, rospy=ros)
-    top = path.parents[module_name(path).count(".")] if (path.parent / "__init__.py").is_file() else path.parent
-    for folder in (path.parent, top, *workspace_of(path).folders):
+    for folder in workspace_of(path).folders:
         if folder not in _finder.folders:
             _finder.folders.append(folder)
     if _finder not in sys.meta_path:

@@ -31,9 +31,13 @@ class Judge:
 
     Attributes:
         elsewhere: whether it gave an answer that isn't true of what stand-ins hold.
+        orders: what is in a set -> in which order it comes.
     """
 
     elsewhere = False
+
+    def __init__(self) -> None:
+        self.orders: dict[frozenset[Any], list[Any]] = {}
 
     def decide(self, what: str, wanted: bool) -> bool:
         """Return the answer to a question with two answers; `wanted` is the one that leads on, most often."""
@@ -86,6 +90,7 @@ class StandIn(metaclass=_Kind):
     _stand_in_held: Any = UNKNOWN
     _stand_in_wanted = True
     _stand_in_answer: bool | None = None
+    _stand_in_is_message = False
 
     def __init__(self, *arguments: object, **named: object):
         """Take anything."""
@@ -122,8 +127,10 @@ class StandIn(metaclass=_Kind):
     def __iter__(self) -> Iterator[Any]:
         frame, held, name = sys._getframe(1), held_by(self), name_of(self)
         code = frame.f_code.co_code
-        if dis.opname[code[frame.f_lasti]] == "UNPACK_SEQUENCE" and held is UNKNOWN:
-            return iter([self[number] for number in range(code[frame.f_lasti + 1])])
+        if dis.opname[code[frame.f_lasti]] == "UNPACK_SEQUENCE":
+            wanted = code[frame.f_lasti + 1]
+            if held is UNKNOWN or (isinstance(held, (list, tuple)) and len(held) == wanted):
+                return iter([self[number] for number in range(wanted)])
         judge.note(name, held)
         return iter(()) if held is UNKNOWN else iter([stand_in(name, item) for item in held])
 
@@ -173,6 +180,8 @@ class StandIn(metaclass=_Kind):
 
     def _asked(self, work: Callable[..., Any], sign: str, other: object) -> Any:
         name = f"{name_of(self)} {sign} {other!r}"
+        if other is None and self._stand_in_is_message:
+            return sign == "!="
         if held_by(self) is not UNKNOWN and value_of(other) is not UNKNOWN:
             return stand_in(name_of(self), work(held_by(self), value_of(other)))
         return stand_in(name, wanted=sign == "!=")
@@ -272,6 +281,8 @@ class StandInModule(ModuleType):
         if name.startswith("__"):
             raise AttributeError(name)
         made = stand_in_class(name) if _is_class(name) else stand_in(f"{self.__name__}.{name}")
+        if isinstance(made, type) and self.__name__.partition(".")[2] in ("msg", "srv", "action"):
+            made._stand_in_is_message = True  # type: ignore[attr-defined]  # one is never None
         setattr(self, name, made)
         return made
 

@@ -118,7 +118,7 @@ def import_file(
         result.error = str(error)
         return result
     result.converted = source.converted
-    if "smach" not in source.text:
+    if "smach" not in source.text.lower():
         return result  # nothing to see, so nothing is run
     if recorder is None:
         found = preview(file)

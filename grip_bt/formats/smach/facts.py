@@ -16,16 +16,8 @@ from .found import Child, ContainerInfo, Span, StateInfo, Value
 
 MOST_ITEMS = 10_000
 """Of a range; they stand in the task one by one."""
-_OWN = (
-    "__init__",
-    "__module__",
-    "__doc__",
-    "__dict__",
-    "__weakref__",
-    "__qualname__",
-    "__annotations__",
-    "__init_subclass__",
-)
+_OWN = ("__", "add", "open", "close", "register_", "get_", "check_", "set_contained_state", "_currently")
+"""How what a container is built by begins, and what is asked when it is built."""
 _CALLBACKS = ("start", "transition", "termination")
 
 
@@ -61,7 +53,7 @@ def facts_of(
 
 
 def _container(found: Any, said: dict[str, Any], seen: Construction | None, stores: dict[int, Any]) -> ContainerInfo:
-    reasons = _reasons(found, stores)
+    overridden, reasons = _overridden(found), _reasons(found, stores)
     inconsistent = ""
     try:
         found.check_consistency()
@@ -87,24 +79,26 @@ def _container(found: Any, said: dict[str, Any], seen: Construction | None, stor
         added=children,
         initial=getattr(found, "_initial_state_label", None),
         userdata={str(k): literal(v) for k, v in found.userdata._data.items()},
-        settings=_settings(found),
+        settings=_settings(found) | ({"overridden": overridden} if overridden else {}),
         items=literal(_items(found._items)) if isinstance(found, smach_compat.Iterator) else None,
     )
-    for reason in reasons:
+    for reason in [*(f"its class has a `{n}` of its own, which the task doesn't call" for n in overridden), *reasons]:
         made.problem("partial", reason)
     if inconsistent:
         made.problem("failed", f"SMACH refuses it: {inconsistent}")
     return made
 
 
-def _reasons(found: Any, stores: dict[int, Any]) -> list[str]:
+def _overridden(found: Any) -> list[str]:
     base = next(c for c in type(found).__mro__ if c in CONTAINERS)
-    overridden = {n for c in type(found).__mro__[: type(found).__mro__.index(base)] for n in vars(c)}
-    overridden |= {n for n, v in vars(found).items() if callable(v) and n in dir(base)}
-    names = sorted(n for n in overridden if n in dir(base) and n not in _OWN)
-    reasons = [f"its class has a `{name}` of its own, which the task doesn't call" for name in names]
+    names = {n for c in type(found).__mro__[: type(found).__mro__.index(base)] for n in vars(c)}
+    names |= {n for n, v in vars(found).items() if callable(v)}
+    return sorted(n for n in names if n in dir(base) and not n.startswith(_OWN))
+
+
+def _reasons(found: Any, stores: dict[int, Any]) -> list[str]:
     called = [kind for kind in _CALLBACKS if getattr(found, f"_{kind}_cbs", None)]
-    reasons += [f"its {kind} callbacks aren't called by the task" for kind in called]
+    reasons = [f"its {kind} callbacks aren't called by the task" for kind in called]
     if stores.setdefault(id(found.userdata), found) is not found:
         reasons.append("its userdata is also another container's: SMACH shares that store, the task copies its keys")
     return reasons

@@ -51,7 +51,8 @@ class Way:
     Attributes:
         builder: a function, class, `Class.method` or variable of the module; `__main__` for the file as a program.
         missing: parameters that nobody has given a value.
-        returned: whether the builder returns the machine, or is it; else it is what was built at `line` of `file`.
+        returned: whether the builder returns the machine, or is it; else it is what was built at `line` of `file`, or,
+            where that is 0, what the builder would execute.
         number: which of the containers that are built there.
     """
 

@@ -45,22 +45,29 @@ def places_of(file: Path) -> list[Place]:
         tree = read_source(file).tree
     except DocumentError:
         return []
-    found = []
+    found, left_open = [], never_filled(tree)
     for around in tree.body:
         name = getattr(around, "name", "") if isinstance(around, (ast.ClassDef, ast.FunctionDef)) else ""
         for node in ast.walk(around):
-            if isinstance(node, ast.ClassDef) and (kind := _kind_of_class(node)):
+            if isinstance(node, ast.ClassDef) and node.name not in left_open and (kind := _kind_of_class(node)):
                 found.append(Place(kind, node.lineno, node.end_lineno or node.lineno, node.name, name))
             elif isinstance(node, ast.Call) and (kind := _kind(node.func)):
                 found.append(Place(kind, node.lineno, node.end_lineno or node.lineno, "", name))
     return found
 
 
+def never_filled(tree: ast.Module) -> set[str]:
+    """Return the classes that open nothing with `with`: a container among them is of a kind that other code fills."""
+    classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    return {cls.name for cls in classes if not any(isinstance(node, ast.With) for node in ast.walk(cls))}
+
+
 def _kind(node: ast.expr) -> str:
     """Return the container class of smach that an expression names."""
     match node:
-        case ast.Name(name) | ast.Attribute(ast.Name("smach"), name) if name in CONTAINERS:
-            return name
+        case ast.Name(name) | ast.Attribute(_, name) if name in CONTAINERS:
+            if isinstance(node, ast.Name) or ast.unparse(node).startswith("smach."):
+                return name
     return ""
 
 

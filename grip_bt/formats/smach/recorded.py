@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.base.interpreter import python_command
+from grip_bt.nodes.smach_source import read_source
 
 from .found import Built, ContainerInfo, Job, Record, Run, Span, Told, Way
-from .preview import Place, places_of
+from .preview import Place, never_filled, places_of
 
 Given = Mapping[str, Mapping[str, Any]]
 """Class or function, or empty for all -> parameter -> value."""
@@ -68,15 +69,18 @@ def recorded_containers(file: Path, records: tuple[Record, Record], given: Given
         if shape not in shapes:  # what is built again, in a loop or of a class, is no second machine
             shapes.add(shape)
             found.append(_container(file, seen, again, records[0], given))
-    inner = {(c.span.file, c.span.line, c.cls) for each in found for c in each.within()[1:]}
-    classes = {cls for _, _, cls in inner}
-    kept = [
-        c
-        for c in found
-        if (c.span.file, c.span.line, c.cls) not in inner and not (c.cls != c.kind and c.cls in classes)
-    ]
+    kinds = never_filled(read_source(file).tree)
+    found = [c for c in found if c.added or c.cls == c.kind or c.cls not in kinds]
+    inner = {id(c): {(i.span.file, i.span.line, i.cls) for i in c.within()[1:]} for c in found}
+    kept = [c for c in found if not any(_is_part(c, inner[id(other)]) for other in found if other is not c)]
     every = [c for each in kept for c in each.within()]
     return sorted([*every, *_not_built(file, every, records[0])], key=lambda c: c.span.line)
+
+
+def _is_part(found: ContainerInfo, inner: set[tuple[Path, int, str]]) -> bool:
+    """Whether another machine has it inside: made there, or one of its class."""
+    there = (found.span.file, found.span.line, found.cls)
+    return there in inner or (found.cls != found.kind and any(cls == found.cls for _, _, cls in inner))
 
 
 Seen = list[tuple[Run, Built]]
@@ -93,7 +97,7 @@ def _by_key(record: Record) -> dict[str, dict[str, Seen]]:
 def _rank(seen: Seen) -> tuple[Any, ...]:
     run, machine = seen[0]
     open_ = _variants(seen) > 1 or any(r.told or r.unfinished for r, _ in seen)
-    return open_, len(run.missing), not (machine.returned or machine.variable), run.builder == "__main__", run.builder
+    return not machine.state.added, open_, len(run.missing), not (machine.returned or machine.variable), run.builder == "__main__", run.builder
 
 
 def _shape(state: ContainerInfo) -> str:
@@ -112,7 +116,7 @@ def _container(file: Path, seen: Seen, again: Seen | None, record: Record, given
     made.way = Way(
         "__main__" if builder == "import" else builder,
         file,
-        made.span.line,
+        made.span.line if made.span.file == file else 0,
         tuple(arguments.items()),
         tuple(run.missing),
         machine.returned or builder == machine.variable,

@@ -55,6 +55,7 @@ class Asking(stand_ins.Judge):
     """Answers as it is told to, then as is wanted, and keeps what was asked."""
 
     def __init__(self, answers: list[bool]):
+        super().__init__()
         self.given, self.answers = answers, list[bool]()
         self.asked: list[Told] = []
         self.told: dict[str, Told] = {}
@@ -121,7 +122,7 @@ class Recording(Construction):
         return self._plain(label), state, rest, named
 
     def machines(self, file: str, result: Any, names: Mapping[str, Any]) -> Iterator[Built]:
-        """Yield the outermost machines that were made in a file, or whose class is there."""
+        """Yield the outermost machines that were made in a file, whose class is there, or that it executes or returns."""
         containers = [m for m in self.made if isinstance(m, CONTAINERS)]
         inside = {id(child) for c in containers for child in c.get_children().values()}
         counted: dict[tuple[str, int], int] = {}
@@ -129,8 +130,9 @@ class Recording(Construction):
         for container in containers:
             place = self.places[id(container)]
             number = counted[place] = counted.get(place, -1) + 1
-            mine = place[0] == file or inspect.getmodule(type(container)) is sys.modules.get(names.get("__name__", ""))
-            if id(container) in inside or not mine:
+            module = sys.modules.get(names.get("__name__", ""))
+            mine = place[0] == file or inspect.getmodule(type(container)) is module
+            if id(container) in inside or not (mine or container is self.caught or container is result):
                 continue
             yield Built(
                 key=f"{place[0]}:{place[1]}#{number}",
@@ -177,9 +179,9 @@ def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel
 
 def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
     """Return the runs with all ways of answering what is asked."""
-    todo, runs, end = [list[bool]()], list[Run](), time.monotonic() + PATIENCE / 3
+    todo, runs, begun = [list[bool]()], list[Run](), _used_below()
     while todo:
-        if len(runs) >= most or time.monotonic() > end:
+        if len(runs) >= most or _used_below() - begun > PATIENCE / 3:
             runs[0].unfinished = True
             break
         given = todo.pop()
@@ -189,6 +191,11 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
             break
         todo += [[*run.answers[:n], not run.answers[n]] for n in range(len(given), len(run.answers))]
     return runs
+
+
+def _used_below() -> float:
+    """Return the time of the processor [s] that children which have ended took."""
+    return sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
 
 
 _compiled: dict[Path, None] = {}
@@ -302,18 +309,18 @@ class FileRecorder:
         while more := {n for n, f in functions.items() if n not in builders and _builds(f.__code__, builders)}:
             builders |= more
         for name, value in mine.items():
-            if isinstance(value, type) and issubclass(value, CONTAINERS):
+            is_container = isinstance(value, type) and issubclass(value, CONTAINERS)
+            if is_container or (name in functions and name in builders):
                 yield name, partial(self._call, value, name)
-            elif name in functions and name in builders:
+            if not isinstance(value, type) or issubclass(value, (StandIn, BaseException)):
+                continue
+            methods = {n: m for n, m in vars(value).items() if inspect.isfunction(m) and _builds(m.__code__, builders)}
+            if "__init__" in methods and not is_container:
                 yield name, partial(self._call, value, name)
-            elif isinstance(value, type) and not issubclass(value, (smach_compat.State, StandIn, BaseException)):
-                methods = {
-                    n: m for n, m in vars(value).items() if inspect.isfunction(m) and _builds(m.__code__, builders)
-                }
-                if "__init__" in methods:
-                    yield name, partial(self._call, value, name)
-                for method in methods.keys() - {"__init__"}:
-                    yield f"{name}.{method}", partial(self._method, value, name, method)
+            if is_container and any(m.state.added for r in self.record.runs if r.builder == name for m in r.machines):
+                continue  # it is filled by its constructor
+            for method in methods.keys() - {"__init__"}:
+                yield f"{name}.{method}", partial(self._method, value, name, method)
 
     def _method(self, cls: type, name: str, method: str) -> Any:
         if issubclass(cls, unittest.TestCase):

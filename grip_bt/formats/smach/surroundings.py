@@ -22,10 +22,11 @@ from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+from xml.etree import ElementTree
 
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_source import Workspace
-from grip_bt.nodes.stand_ins import StandIn, StandInFinder, lifted, name_of, stand_in, stands_in
+from grip_bt.nodes.stand_ins import StandIn, StandInFinder, lifted, name_of, stand_in, stand_in_class, stands_in
 from grip_bt.smach_compat import State
 from grip_bt.smach_compat import smach_ros as real
 
@@ -144,7 +145,7 @@ class _Environment(dict[str, str]):
 
     def __contains__(self, key: object) -> bool:
         if _is_legacy_caller():
-            return stand_ins.judge.decide(f"${key}", super().__contains__(key))
+            return stand_ins.judge.decide(f"${key} is set", True)
         return super().__contains__(key)
 
     def __iter__(self) -> Any:
@@ -162,6 +163,33 @@ def _parsed(parser: argparse.ArgumentParser, *given: Any) -> argparse.Namespace:
             needed = action.required or not action.option_strings
             setattr(found, action.dest, stand_in(name) if needed else stand_in(name, action.default))
     return found
+
+
+def _packages(workspace: Workspace) -> dict[str, Callable[..., Any]]:
+    """Return what rospkg tells of packages, by the `package.xml` files of the workspace."""
+
+    def manifest(name: Any) -> Any:
+        file = None if stands_in(name) or name not in workspace.packages else workspace.packages[name] / "package.xml"
+        return ElementTree.parse(file) if file is not None and file.is_file() else None
+
+    def depending(self: object, name: Any, implicit: bool = True) -> Any:
+        needed = {each for each in workspace.packages if (found := manifest(each)) and name in _needs(found)}
+        for each in sorted(needed) if implicit else ():
+            needed |= {*depending(self, each)} - {each}
+        return sorted(needed)
+
+    def described(self: object, name: Any) -> Any:
+        if (found := manifest(name)) is None:
+            return stand_in(f"the manifest of {name}")
+        made = stand_in_class("Manifest")()
+        vars(made)["get_export"] = lambda tag, key: [e.get(key) for e in found.findall(f"export/{tag}") if e.get(key)]
+        return made
+
+    return {"get_depends_on": depending, "get_manifest": described, "list": lambda self: sorted(workspace.packages)}
+
+
+def _needs(manifest: Any) -> set[str]:
+    return {each.text.strip() for each in manifest.getroot() if each.tag.endswith("depend") and each.text}
 
 
 def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
@@ -191,7 +219,10 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         module.RosState = real.RosState  # type: ignore[attr-defined]
 
     def rospkg(module: ModuleType) -> None:
-        module.RosPack = type("RosPack", (), {"get_path": lambda self, name: folder(name)})  # type: ignore[attr-defined]
+        module.RosPack = stand_in_class("RosPack")  # type: ignore[attr-defined]
+        for name, answer in _packages(workspace).items():
+            setattr(module.RosPack, name, answer)
+        module.RosPack.get_path = lambda self, name: folder(name)
 
     finder.made |= {"rospy": rospy, "smach_ros": smach_ros, "rospkg": rospkg}
     for name, function in (

@@ -32,6 +32,7 @@ from .userdata import (
     source_of,
 )
 
+ONE_LEAF = "imported as one leaf that runs the original container"
 Ends = Mapping[str, str]
 """Outcome of a node -> the outcome of SMACH that it stands for."""
 
@@ -56,7 +57,7 @@ class TaskMaker:
                 if self.root.verdict != "failed":
                     self.root.problem("failed", str(error))
                 return None
-            self.root.problem("partial", f"imported as one leaf that runs the original container: {error}")
+            self.root.problem("note", f"{ONE_LEAF}: {error}")
             self.variables, self.leaves.specs = Variables(), specs
             whole = Child(label=self.name, state=self.root, transitions={}, remapping={}, span=self.root.span)
             node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
@@ -186,9 +187,9 @@ class TaskMaker:
         except RefusedError as error:
             self.variables.names, self.leaves.specs = before
             runs = bool(self.leaves.source(state))
-            state.issues = [i for i in state.issues if not runs or i.severity != "error"]
-            as_leaf = "imported as one leaf that runs the original container" if runs else "left out of the task"
-            state.problem("partial" if runs else "failed", f"{as_leaf}: {error}")
+            state.issues = [i for i in state.issues if not runs or i.severity == "info"]  # it does all that itself
+            as_leaf = ONE_LEAF if runs else "left out of the task"
+            state.problem("note" if runs else "failed", f"{as_leaf}: {error}")
         return self._leaf(found, added, keys, remapping)
 
     def _leaf(self, found: ContainerInfo, added: Child, keys: Keys, remapping: Mapping[str, str]) -> tuple[Leaf, Ends]:

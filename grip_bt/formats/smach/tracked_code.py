@@ -11,6 +11,7 @@ import builtins
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from itertools import takewhile
 from types import BuiltinFunctionType, FrameType, FunctionType, MethodType
 from typing import Any
 
@@ -97,6 +98,8 @@ def _is(left: object, right: object) -> bool:
             held = value_of(one)
             if held is not stand_ins.UNKNOWN:
                 return stand_ins.judge.decide(name_of(one), held is value_of(other))
+            if other is None and one._stand_in_is_message:  # type: ignore[attr-defined]
+                return False
             if other is None or isinstance(other, bool):
                 return stand_ins.judge.decide(f"{name_of(one)} is {other!r}", False)
     return left is right
@@ -138,17 +141,35 @@ class _SetKind(type):
 
 
 class TrackedSet(set[Any], metaclass=_SetKind):
-    """A set whose order, which goes by hashes, is noted where something goes by it."""
+    """A set whose order goes by hashes: of two or three each order is tried, of more it is noted that code goes by it."""
 
     def __iter__(self) -> Iterator[Any]:
-        if len(self) > 1 and not all(isinstance(item, int) for item in set.__iter__(self)):
+        items = list(set.__iter__(self))
+        if len(items) < 2 or all(isinstance(item, int) for item in items):
+            return iter(items)
+        if len(items) > 3:
             stand_ins.judge.note("the order of a set")
-        return set.__iter__(self)
+            return iter(items)
+        items.sort(key=repr)
+        orders = stand_ins.judge.orders
+        key = frozenset(items)
+        if key not in orders:
+            orders[key] = [items.pop(self._which(items)) for _ in range(len(items) - 1)] + items
+        return iter(orders[key])
+
+    @staticmethod
+    def _which(items: list[Any]) -> int:
+        """Return which of the items comes next."""
+        later = (not stand_ins.judge.decide(f"whether {item!r} is first in a set", True) for item in items[:-1])
+        return sum(takewhile(bool, later))
+
+    def __repr__(self) -> str:
+        return f"{{{', '.join(map(repr, self))}}}" if self else "set()"
 
     def pop(self) -> Any:
         """Remove and return one, by its hash."""
-        iter(self)
-        return super().pop()
+        item = next(iter(self), None)
+        return super().pop() if item is None else super().remove(item) or item
 
 
 def _kept(name: str) -> Callable[..., Any]:

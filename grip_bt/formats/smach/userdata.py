@@ -233,6 +233,8 @@ def check(found: ContainerInfo) -> None:
     """Refuse what wasn't read well enough, and what SMACH would refuse too."""
     if failed := [issue for issue in found.issues if issue.severity == "error"]:
         raise RefusedError(failed[0].message)
+    if found.parent is not None and (names := found.settings.get("overridden")):
+        raise RefusedError(f"its class has a `{names[0]}` of its own")
     if not found.outcomes:
         raise RefusedError("its outcomes aren't known")
     if not found.added:
