@@ -7,12 +7,17 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.machinery import ModuleSpec
+from typing import Any
+from unittest import mock
+
+from py_trees.behaviours import Success
+from py_trees.composites import Composite
 
 from grip_bt import smach_compat
 from grip_bt.smach_compat import Container, State, smach_ros
 from grip_bt.smach_compat.smach_ros._port import Ros
 
-from .stand_ins import StandInFinder, StandInModule, stand_in
+from .stand_ins import StandInFinder, StandInModule, name_of, stand_in, stands_in
 
 _BAD = re.compile("abort|fail|preempt|error|invalid|timeout|no_|not_|un", re.IGNORECASE)
 
@@ -53,11 +58,17 @@ class _TellingFinder(StandInFinder):
 def dry_run(tell: Callable[[str], object]) -> Iterator[None]:
     """Stand in for packages that aren't installed and for what nobody offers over ROS; `tell` is told of each."""
     installed, finder = "smach" in sys.modules, _TellingFinder(tell)
+
+    def added(composite: Composite, child: Any) -> Any:
+        return add_child(composite, Success(name_of(child)) if stands_in(child) else child)
+
+    add_child = Composite.add_child
     smach_compat.install(rospy=True)
     smach_ros.use(Ros(stand_in, tell))
     sys.meta_path.append(finder)
     try:
-        yield
+        with mock.patch.object(Composite, "add_child", added):
+            yield
     finally:
         sys.meta_path.remove(finder)
         for name in [name for name, module in sys.modules.items() if isinstance(module, StandInModule)]:

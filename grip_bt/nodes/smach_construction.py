@@ -158,8 +158,7 @@ def built_in(path: Path, line: int, code: Callable[[], Any], number: int = 0) ->
     prepare_imports(path.resolve())
     construction = Construction()
     construction.run(code)
-    caught = [] if construction.caught is None else [construction.caught]
-    found = construction.built_at(str(path.resolve()), line) if line else caught
-    if number >= len(found):
+    found = construction.built_at(str(path.resolve()), line) if line else [construction.caught]
+    if number >= len(found) or found[number] is None:
         raise LookupError(f"{path}:{line}: no machine was built there; has the file changed since it was imported?")
     return found[number]

@@ -114,16 +114,12 @@ def workspace_of(file: Path, bound: Path | None = None) -> Workspace:
     """Return the workspace around a file, found by `package.xml` and `setup.py`; `bound`: its folder, if known."""
     package = next((p for p in file.parents if (p / "package.xml").is_file() or (p / "setup.py").is_file()), None)
     root = bound or (_root(package) if package is not None else file.parent)
-    packages, folders = {}, [file.parent, _above_package(file)]
+    packages, folders = {}, [file.parent, package_of(file)[0]]
     for folder in _packages(root) if package is not None or bound is not None else ():
         packages[name_of_package(folder) or folder.name] = folder
         folders += _module_folders(folder)
     folders += [root, root / "src", *sorted(root.glob("*/src"))]
     return Workspace(root, tuple(dict.fromkeys(f for f in folders if f.is_dir())), packages)
-
-
-def _above_package(file: Path) -> Path:
-    return file.parents[module_name(file).count(".")] if (file.parent / "__init__.py").is_file() else file.parent
 
 
 def _root(package: Path) -> Path:
@@ -192,14 +188,19 @@ def _compiled(file: Path) -> CodeType:
     return compile(read_source(file).tree, str(file), "exec")
 
 
+def package_of(path: Path) -> tuple[Path, str]:
+    """Return the folder in which a file's package lies, and the file's name as a module of that folder."""
+    folder, names = path.parent, [path.stem]
+    while (folder / "__init__.py").is_file():
+        folder, names = folder.parent, [folder.name, *names]
+    return folder, ".".join(names)
+
+
 def module_name(path: Path) -> str:
     """Return the name under which a file is imported: its own in its package, which relative imports need."""
-    names, folder = [path.stem], path.parent
-    while (folder / "__init__.py").is_file():
-        names.insert(0, folder.name)
-        folder = folder.parent
-    packaged = len(names) > 1 and names[0] not in sys.stdlib_module_names  # a folder `test` is no module of Python
-    return ".".join(names) if packaged else f"grip_legacy_{sha256(str(path).encode()).hexdigest()[:12]}"
+    name = package_of(path)[1]
+    packaged = "." in name and name.split(".")[0] not in sys.stdlib_module_names  # a folder `test` is none of Python's
+    return name if packaged else f"grip_legacy_{sha256(str(path).encode()).hexdigest()[:12]}"
 
 
 _finder = LegacyFinder(())

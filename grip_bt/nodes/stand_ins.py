@@ -7,15 +7,16 @@ parameter: then it answers as the value would, and the judge is told that the an
 
 from __future__ import annotations
 
-import builtins
 import dis
 import operator
 import sys
 from collections.abc import Callable, Iterator
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
-from types import CodeType, FrameType, FunctionType, ModuleType
+from types import FunctionType, ModuleType
 from typing import Any
+
+from grip_bt.smach_compat.smach_ros._connection import wanted_names
 
 UNKNOWN: Any = object()
 """What a stand-in holds that holds no value."""
@@ -31,13 +32,13 @@ class Judge:
 
     Attributes:
         elsewhere: whether it gave an answer that isn't true of what stand-ins hold.
-        orders: what is in a set -> in which order it comes.
+        turned: two things in a set -> whether the second comes first.
     """
 
     elsewhere = False
 
     def __init__(self) -> None:
-        self.orders: dict[frozenset[Any], list[Any]] = {}
+        self.turned: dict[frozenset[Any], bool] = {}
 
     def decide(self, what: str, wanted: bool) -> bool:
         """Return the answer to a question with two answers; `wanted` is the one that leads on, most often."""
@@ -90,7 +91,6 @@ class StandIn(metaclass=_Kind):
     _stand_in_held: Any = UNKNOWN
     _stand_in_wanted = True
     _stand_in_answer: bool | None = None
-    _stand_in_is_message = False
 
     def __init__(self, *arguments: object, **named: object):
         """Take anything."""
@@ -180,8 +180,6 @@ class StandIn(metaclass=_Kind):
 
     def _asked(self, work: Callable[..., Any], sign: str, other: object) -> Any:
         name = f"{name_of(self)} {sign} {other!r}"
-        if other is None and self._stand_in_is_message:
-            return sign == "!="
         if held_by(self) is not UNKNOWN and value_of(other) is not UNKNOWN:
             return stand_in(name_of(self), work(held_by(self), value_of(other)))
         return stand_in(name, wanted=sign == "!=")
@@ -277,31 +275,12 @@ class StandInModule(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         if name == "__all__":
-            return sorted(_unknown_names(sys._getframe(1)))
+            return sorted(wanted_names(sys._getframe(1)))
         if name.startswith("__"):
             raise AttributeError(name)
         made = stand_in_class(name) if _is_class(name) else stand_in(f"{self.__name__}.{name}")
-        if isinstance(made, type) and self.__name__.partition(".")[2] in ("msg", "srv", "action"):
-            made._stand_in_is_message = True  # type: ignore[attr-defined]  # one is never None
         setattr(self, name, made)
         return made
-
-
-def _unknown_names(frame: FrameType | None) -> set[str]:
-    """Return the names that the importing module uses and nobody gives: what a star import has to."""
-    while frame is not None and frame.f_code.co_name != "<module>":
-        frame = frame.f_back
-    if frame is None:
-        return set()
-    names: set[str] = set()
-    stored: set[str] = set()
-    todo: list[CodeType] = [frame.f_code]
-    while todo:
-        code = todo.pop()
-        names.update(code.co_names)
-        stored.update(code.co_varnames)
-        todo.extend(c for c in code.co_consts if isinstance(c, CodeType))
-    return {n for n in names - stored if n not in frame.f_globals and not hasattr(builtins, n) and n[0] != "_"}
 
 
 class StandInFinder(MetaPathFinder, Loader):

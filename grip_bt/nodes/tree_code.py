@@ -12,16 +12,19 @@ import inspect
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from unittest import mock
 
 from py_trees.behaviour import Behaviour
+from py_trees.common import ParallelPolicy
+from py_trees.composites import Parallel, Selector, Sequence
 from py_trees.trees import BehaviourTree
 
 from grip_bt.base.errors import GripError, listing
+from grip_bt.nodes.smach_source import package_of
 
 _WHERE = re.compile(r"(?P<module>[^:()]+?)(?::(?P<name>[A-Za-z_][\w.]*)(?P<call>\(.*\))?)?")
 _HOLDERS = ("root", "tree", "behaviour_tree", "behavior_tree", "bt", "_tree", "_root")
@@ -61,10 +64,7 @@ class Place:
         file = self.file
         if file is None:
             return Path.cwd(), self.module
-        folder, parts = file.resolve().parent, [file.stem]
-        while (folder / "__init__.py").is_file():
-            parts, folder = [folder.name, *parts], folder.parent
-        return folder, ".".join(parts)
+        return package_of(file.resolve())
 
     @property
     def import_name(self) -> str:
@@ -239,6 +239,7 @@ def _watching(watched: _Watched) -> Iterator[None]:
         raise _TickedError(next((each for each in watched.made if each.root is tree.root), tree))
 
     original = BehaviourTree.tick_tock
+    old: Any = {"SUCCESS_ON_ALL": ParallelPolicy.SuccessOnAll(), "SUCCESS_ON_ONE": ParallelPolicy.SuccessOnOne()}
     replaced: dict[str, Any] = {
         "__init__": made,
         "setup": set_up,
@@ -246,7 +247,17 @@ def _watching(watched: _Watched) -> Iterator[None]:
         "tick_tock": tick_tock,
         "shutdown": lambda self: None,
     }
-    with mock.patch.multiple(BehaviourTree, **replaced), mock.patch.object(Behaviour, "tick_once", tick_once):
+    before = {
+        Sequence: ("Sequence", True),
+        Selector: ("Selector", False),
+        Parallel: ("Parallel", old["SUCCESS_ON_ALL"]),
+    }
+    with ExitStack() as patched:
+        patched.enter_context(mock.patch.multiple(BehaviourTree, **replaced))
+        patched.enter_context(mock.patch.object(Behaviour, "tick_once", tick_once))
+        patched.enter_context(mock.patch.multiple(ParallelPolicy, create=True, **old))
+        for cls, defaults in before.items():  # before py_trees 2.2 composites had defaults
+            patched.enter_context(mock.patch.object(cls.__init__, "__defaults__", (*defaults, None)))
         yield
 
 

@@ -204,6 +204,8 @@ def _adopted(
         return nodes[0].node
 
     there = "rclpy" in sys.modules
+    if options.stand_ins:
+        stack.enter_context(dry_run(partial(progress, "stand-in")))
     found = tree_code.find_tree(place, node)
     modules = {type(each).__module__ for each in found.tree.root.iterate()}
     of_ros = not there and "rclpy" in sys.modules

@@ -82,7 +82,7 @@ def _container(found: Any, said: dict[str, Any], seen: Construction | None, stor
         settings=_settings(found) | ({"overridden": overridden} if overridden else {}),
         items=literal(_items(found._items)) if isinstance(found, smach_compat.Iterator) else None,
     )
-    for reason in [*(f"its class has a `{n}` of its own, which the task doesn't call" for n in overridden), *reasons]:
+    for reason in reasons:
         made.problem("partial", reason)
     if inconsistent:
         made.problem("failed", f"SMACH refuses it: {inconsistent}")
@@ -97,11 +97,10 @@ def _overridden(found: Any) -> list[str]:
 
 
 def _reasons(found: Any, stores: dict[int, Any]) -> list[str]:
-    called = [kind for kind in _CALLBACKS if getattr(found, f"_{kind}_cbs", None)]
-    reasons = [f"its {kind} callbacks aren't called by the task" for kind in called]
+    called = [f"its {k} callbacks aren't called by the task" for k in _CALLBACKS if getattr(found, f"_{k}_cbs", None)]
     if stores.setdefault(id(found.userdata), found) is not found:
-        reasons.append("its userdata is also another container's: SMACH shares that store, the task copies its keys")
-    return reasons
+        called.append("its userdata is also another container's: SMACH shares that store, the task copies its keys")
+    return called
 
 
 _SETTINGS = (

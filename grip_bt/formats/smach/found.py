@@ -46,13 +46,12 @@ class Value(BaseModel):
 
 @dataclass(frozen=True)
 class Way:
-    """How a machine is had again: what is called, and which of the containers is meant that it builds.
+    """How a machine is had again: what is called, and which of its containers is meant (line 0: what is executed).
 
     Attributes:
         builder: a function, class, `Class.method` or variable of the module; `__main__` for the file as a program.
         missing: parameters that nobody has given a value.
-        returned: whether the builder returns the machine, or is it; else it is what was built at `line` of `file`, or,
-            where that is 0, what the builder would execute.
+        returned: whether the builder returns the machine, or is it; else it is what was built at `line` of `file`.
         number: which of the containers that are built there.
     """
 

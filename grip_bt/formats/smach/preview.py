@@ -170,20 +170,13 @@ class _Reader:
         """Return a state that is called as the text calls its class; without that, it ends as its transitions say."""
         callee = node.func if isinstance(node, ast.Call) else node
         name = ast.unparse(callee).split(".")[-1]
-        made: Any
-        if name in FIXED_OUTCOMES:
-            made = type(name, (State,), {"__module__": "smach_ros"})([*dict.fromkeys((*FIXED_OUTCOMES[name], *ends))])
-        else:
-            cls = self.classes.get(name)
-            init = (
-                next((n for n in cls.body if getattr(n, "name", "") == "__init__"), None) if cls is not None else None
-            )
-            said = _literals(State, _constructor(init, "State"))
-            made = type(name if name.isidentifier() else "State", (State,), {})(
-                **{**said, "outcomes": [*dict.fromkeys((*said.get("outcomes", ()), *ends))]}
-            )
-            if "outcomes" not in said:
-                made.stands_for = name
+        cls, of_ros = self.classes.get(name), name in FIXED_OUTCOMES
+        init = next((n for n in cls.body if getattr(n, "name", "") == "__init__"), None) if cls is not None else None
+        said = {"outcomes": FIXED_OUTCOMES[name]} if of_ros else _literals(State, _constructor(init, "State"))
+        kind = type(name if name.isidentifier() else "State", (State,), {"__module__": "smach_ros"} if of_ros else {})
+        made: Any = kind(**{**said, "outcomes": [*dict.fromkeys((*said.get("outcomes", ()), *ends))]})
+        if "outcomes" not in said:
+            made.stands_for = name
         self.places.places[id(made)] = (str(self.file), node.lineno)
         state: State = made
         return state

@@ -71,16 +71,14 @@ def recorded_containers(file: Path, records: tuple[Record, Record], given: Given
             found.append(_container(file, seen, again, records[0], given))
     kinds = never_filled(read_source(file).tree)
     found = [c for c in found if c.added or c.cls == c.kind or c.cls not in kinds]
-    inner = {id(c): {(i.span.file, i.span.line, i.cls) for i in c.within()[1:]} for c in found}
-    kept = [c for c in found if not any(_is_part(c, inner[id(other)]) for other in found if other is not c)]
+    parts = {id(c): {_identity(each) for each in c.within()[1:]} for c in found}
+    kept = [c for c in found if not any(_identity(c) in parts[id(other)] for other in found if other is not c)]
     every = [c for each in kept for c in each.within()]
     return sorted([*every, *_not_built(file, every, records[0])], key=lambda c: c.span.line)
 
 
-def _is_part(found: ContainerInfo, inner: set[tuple[Path, int, str]]) -> bool:
-    """Whether another machine has it inside: made there, or one of its class."""
-    there = (found.span.file, found.span.line, found.cls)
-    return there in inner or (found.cls != found.kind and any(cls == found.cls for _, _, cls in inner))
+def _identity(found: ContainerInfo) -> object:
+    return found.cls if found.cls != found.kind else (found.span.file, found.span.line)
 
 
 Seen = list[tuple[Run, Built]]
@@ -97,7 +95,8 @@ def _by_key(record: Record) -> dict[str, dict[str, Seen]]:
 def _rank(seen: Seen) -> tuple[Any, ...]:
     run, machine = seen[0]
     open_ = _variants(seen) > 1 or any(r.told or r.unfinished for r, _ in seen)
-    return not machine.state.added, open_, len(run.missing), not (machine.returned or machine.variable), run.builder == "__main__", run.builder
+    named = machine.returned or machine.variable
+    return not machine.state.added, open_, len(run.missing), not named, run.builder == "__main__", run.builder
 
 
 def _shape(state: ContainerInfo) -> str:
@@ -136,20 +135,15 @@ def _container(file: Path, seen: Seen, again: Seen | None, record: Record, given
 def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[str, Span | None]]:
     told = {(t.what, t.file, t.line): t for run, _ in seen for t in run.told}
     for each in list(told.values())[:_MOST_REASONS]:
-        if each.value is not None:
-            taken = f"taken as {each.value}: with another value it may be another machine"
-            yield f"goes by `{each.what}`, {taken}", _span(each)
-        else:
-            yield f"goes by `{each.what}`, known only in a run", _span(each)
+        taken = f"taken as {each.value}: with another value it may be another machine"
+        yield f"goes by `{each.what}`, {'known only in a run' if each.value is None else taken}", _span(each)
     if len(told) > _MOST_REASONS:
         yield f"and {len(told) - _MOST_REASONS} more like these", None
     if _variants(seen) > 1:
         asked = {(t.what, t.file, t.line): t for run, _ in seen for t in run.asked}
         for each in list(asked.values())[:_MOST_REASONS]:
-            yield (
-                f"is another machine by the answer to `{each.what}`, known only in a run; shown as for one of them",
-                _span(each),
-            )
+            text = f"is another machine by the answer to `{each.what}`, known only in a run; shown as for one of them"
+            yield text, _span(each)
     elif any(run.unfinished for run, _ in seen) or any(r.unfinished for r in record.runs if r.builder == "import"):
         yield "asks more than was tried of what is known only in a run", None
     if again is None or {_shape(m.state) for _, m in again} != {_shape(m.state) for _, m in seen}:
@@ -175,9 +169,9 @@ def _not_built(file: Path, found: list[ContainerInfo], record: Record) -> Iterat
 def _why(place: Place, record: Record) -> str:
     if record.error:
         return f"wasn't built: {record.error}"
-    imported = next((r for r in record.runs if r.builder == "import"), None)
-    if imported is not None and imported.error:
-        return f"wasn't built, since importing the file raises {imported.error}"
+    imports = [r.error for r in record.runs if r.builder == "import"]
+    if imports and all(imports):
+        return f"wasn't built, since importing the file raises {imports[0]}"
     names = (place.around, place.cls) if place.around or place.cls else ("__main__",)
     for run in record.runs:
         if run.error and run.builder.split(".")[0] in names:

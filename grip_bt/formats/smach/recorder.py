@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import inspect
 import os
+import re
 import resource
 import select
 import signal
@@ -122,7 +123,7 @@ class Recording(Construction):
         return self._plain(label), state, rest, named
 
     def machines(self, file: str, result: Any, names: Mapping[str, Any]) -> Iterator[Built]:
-        """Yield the outermost machines that were made in a file, whose class is there, or that it executes or returns."""
+        """Yield the outermost machines that are made in a file, are of a class there, executed by it or returned."""
         containers = [m for m in self.made if isinstance(m, CONTAINERS)]
         inside = {id(child) for c in containers for child in c.get_children().values()}
         counted: dict[tuple[str, int], int] = {}
@@ -404,14 +405,10 @@ class _Missing(StandInFinder):
         self.packages, self.made = finder.packages, finder.made
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
-        spec = super().find_spec(fullname, path, target)
-        frame = tracked_code.caller()
-        if (
-            spec is not None
-            and frame is not None
-            and fullname != "rospy"
-            and _prepared(Path(frame.f_code.co_filename), frame.f_lineno)
-        ):
+        spec, frame = super().find_spec(fullname, path, target), tracked_code.caller()
+        if spec is None or frame is None or fullname == "rospy":
+            return spec
+        if _prepared(Path(frame.f_code.co_filename), frame.f_lineno):
             if not stand_ins.judge.decide(f"import {fullname}", True):
                 raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
         return spec
@@ -419,14 +416,10 @@ class _Missing(StandInFinder):
 
 def _prepared(file: Path, line: int) -> bool:
     """Whether a line is in a `try` that takes a failing import."""
-    for node in ast.walk(read_source(file).tree) if file.is_file() else ():
-        if isinstance(node, ast.Try) and node.body[0].lineno <= line <= (node.body[-1].end_lineno or 0):
-            caught = [ast.unparse(h.type) if h.type is not None else "" for h in node.handlers]
-            if any(
-                c in ("", "Exception", "BaseException") or "ImportError" in c or "ModuleNotFound" in c for c in caught
-            ):
-                return True
-    return False
+    tries = (node for node in ast.walk(read_source(file).tree) if isinstance(node, ast.Try)) if file.is_file() else ()
+    around = (node for node in tries if node.body[0].lineno <= line <= (node.body[-1].end_lineno or 0))
+    caught = (ast.unparse(h.type) if h.type is not None else "Exception" for node in around for h in node.handlers)
+    return any(re.search(r"\b((Base)?Exception|ImportError|ModuleNotFoundError)\b", name) for name in caught)
 
 
 def record(job: Job) -> Record:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import datetime
 import getpass
-import inspect
 import os
 import platform
 import random
@@ -27,8 +26,8 @@ from xml.etree import ElementTree
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_source import Workspace
 from grip_bt.nodes.stand_ins import StandIn, StandInFinder, lifted, name_of, stand_in, stand_in_class, stands_in
-from grip_bt.smach_compat import State
 from grip_bt.smach_compat import smach_ros as real
+from grip_bt.smach_compat.smach_ros._port import Ros
 
 from .found import FIXED_OUTCOMES
 from .tracked_code import SPECIAL, caller, is_tracked
@@ -165,31 +164,24 @@ def _parsed(parser: argparse.ArgumentParser, *given: Any) -> argparse.Namespace:
     return found
 
 
-def _packages(workspace: Workspace) -> dict[str, Callable[..., Any]]:
-    """Return what rospkg tells of packages, by the `package.xml` files of the workspace."""
+def _packages(workspace: Workspace, packs: Any) -> None:
+    """Have rospkg tell of packages what the `package.xml` files of the workspace say."""
 
     def manifest(name: Any) -> Any:
         file = None if stands_in(name) or name not in workspace.packages else workspace.packages[name] / "package.xml"
-        return ElementTree.parse(file) if file is not None and file.is_file() else None
+        return ElementTree.parse(file).getroot() if file is not None and file.is_file() else ()
 
-    def depending(self: object, name: Any, implicit: bool = True) -> Any:
-        needed = {each for each in workspace.packages if (found := manifest(each)) and name in _needs(found)}
-        for each in sorted(needed) if implicit else ():
-            needed |= {*depending(self, each)} - {each}
-        return sorted(needed)
+    def depending(self: object, name: Any, implicit: bool = True) -> list[str]:
+        direct = [p for p in workspace.packages if name in {e.text for e in manifest(p) if e.tag.endswith("depend")}]
+        return sorted({*direct, *(d for p in direct for d in depending(self, p))} if implicit else direct)
 
     def described(self: object, name: Any) -> Any:
-        if (found := manifest(name)) is None:
-            return stand_in(f"the manifest of {name}")
-        made = stand_in_class("Manifest")()
-        vars(made)["get_export"] = lambda tag, key: [e.get(key) for e in found.findall(f"export/{tag}") if e.get(key)]
+        made, found = stand_in("manifest"), manifest(name)
+        if len(found):
+            made.get_export = lambda tag, key: [e.get(key) for e in found.findall(f"export/{tag}") if e.get(key)]
         return made
 
-    return {"get_depends_on": depending, "get_manifest": described, "list": lambda self: sorted(workspace.packages)}
-
-
-def _needs(manifest: Any) -> set[str]:
-    return {each.text.strip() for each in manifest.getroot() if each.tag.endswith("depend") and each.text}
+    packs.get_depends_on, packs.get_manifest = depending, described
 
 
 def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
@@ -214,14 +206,13 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         return stand_in(f"the folder of {name}") if found is None else str(found)
 
     def smach_ros(module: ModuleType) -> None:
-        for name in FIXED_OUTCOMES:
-            setattr(module, name, _ros_state(name))
-        module.RosState = real.RosState  # type: ignore[attr-defined]
+        real.use(Ros(stand_in))
+        for name in (*FIXED_OUTCOMES, "RosState"):
+            setattr(module, name, getattr(real, name))
 
     def rospkg(module: ModuleType) -> None:
         module.RosPack = stand_in_class("RosPack")  # type: ignore[attr-defined]
-        for name, answer in _packages(workspace).items():
-            setattr(module.RosPack, name, answer)
+        _packages(workspace, module.RosPack)
         module.RosPack.get_path = lambda self, name: folder(name)
 
     finder.made |= {"rospy": rospy, "smach_ros": smach_ros, "rospkg": rospkg}
@@ -231,29 +222,3 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         ("ament_index_python", "get_package_share_directory"),
     ):
         finder.made[name] = lambda module, function=function: setattr(module, function, folder)  # type: ignore[misc]
-
-
-def _ros_state(kind: str) -> type:
-    """Return a state with the outcomes and keys of one of smach_ros, that never runs."""
-    parameters = list(inspect.signature(getattr(real, kind).__init__).parameters)[1:]
-
-    def __init__(self: State, *arguments: Any, **named: Any) -> None:
-        if arguments and not isinstance(arguments[0], str) and kind != "ConditionState":
-            arguments = arguments[1:]  # ROS 2's node
-        given = dict(zip(parameters, arguments, strict=False)) | named
-        keys = {k: list(given.get(k) or []) for k in ("input_keys", "output_keys", "io_keys")}
-        State.__init__(self, [*FIXED_OUTCOMES[kind], *(given.get("outcomes") or [])], **keys)
-        for word in ("goal", "request", "result", "response"):
-            said = (given.get(f"{word}_key"), *(given.get(f"{word}_slots") or []))
-            register = self.register_input_keys if word in ("goal", "request") else self.register_output_keys
-            register([key for key in said if isinstance(key, str)])
-        for name in ("goal_cb", "result_cb", "request_cb", "response_cb", "cond_cb"):
-            callback = given.get(name)
-            if callback is None or stands_in(callback) or not hasattr(callback, "get_registered_outcomes"):
-                continue
-            if name in ("result_cb", "response_cb"):
-                self.register_outcomes(callback.get_registered_outcomes())
-            self.register_input_keys(callback.get_registered_input_keys())
-            self.register_output_keys(callback.get_registered_output_keys())
-
-    return type(kind, (State,), {"__init__": __init__, "__module__": "smach_ros"})

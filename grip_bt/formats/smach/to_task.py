@@ -49,6 +49,8 @@ class TaskMaker:
     def make(self) -> Task | None:
         """Return the task; None when the container can't be imported, with the reason among its issues."""
         specs = dict(self.leaves.specs)
+        for method in self.root.settings.get("overridden", ()):
+            self.root.problem("partial", f"its class has a `{method}` of its own, which the task doesn't call")
         try:
             node, ends = self._root()
         except RefusedError as error:
@@ -187,7 +189,7 @@ class TaskMaker:
         except RefusedError as error:
             self.variables.names, self.leaves.specs = before
             runs = bool(self.leaves.source(state))
-            state.issues = [i for i in state.issues if not runs or i.severity == "info"]  # it does all that itself
+            state.issues = [i for i in state.issues if not runs or i.severity != "error"]
             as_leaf = ONE_LEAF if runs else "left out of the task"
             state.problem("note" if runs else "failed", f"{as_leaf}: {error}")
         return self._leaf(found, added, keys, remapping)

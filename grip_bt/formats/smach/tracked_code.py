@@ -11,7 +11,6 @@ import builtins
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from itertools import takewhile
 from types import BuiltinFunctionType, FrameType, FunctionType, MethodType
 from typing import Any
 
@@ -98,8 +97,6 @@ def _is(left: object, right: object) -> bool:
             held = value_of(one)
             if held is not stand_ins.UNKNOWN:
                 return stand_ins.judge.decide(name_of(one), held is value_of(other))
-            if other is None and one._stand_in_is_message:  # type: ignore[attr-defined]
-                return False
             if other is None or isinstance(other, bool):
                 return stand_ins.judge.decide(f"{name_of(one)} is {other!r}", False)
     return left is right
@@ -135,33 +132,20 @@ def _first_name(value: Any) -> str:
     return name_of(value)
 
 
-class _SetKind(type):
-    def __instancecheck__(cls, instance: object) -> bool:
-        return isinstance(instance, set)
-
-
-class TrackedSet(set[Any], metaclass=_SetKind):
-    """A set whose order goes by hashes: of two or three each order is tried, of more it is noted that code goes by it."""
+class TrackedSet(set[Any]):
+    """A set whose order goes by hashes: of two both orders are tried, of more it is noted that code goes by it."""
 
     def __iter__(self) -> Iterator[Any]:
-        items = list(set.__iter__(self))
-        if len(items) < 2 or all(isinstance(item, int) for item in items):
-            return iter(items)
-        if len(items) > 3:
-            stand_ins.judge.note("the order of a set")
-            return iter(items)
-        items.sort(key=repr)
-        orders = stand_ins.judge.orders
-        key = frozenset(items)
-        if key not in orders:
-            orders[key] = [items.pop(self._which(items)) for _ in range(len(items) - 1)] + items
-        return iter(orders[key])
-
-    @staticmethod
-    def _which(items: list[Any]) -> int:
-        """Return which of the items comes next."""
-        later = (not stand_ins.judge.decide(f"whether {item!r} is first in a set", True) for item in items[:-1])
-        return sum(takewhile(bool, later))
+        items = sorted(set.__iter__(self), key=repr)
+        if len(items) > 1 and not all(isinstance(item, int) for item in items):
+            if len(items) > 2:
+                stand_ins.judge.note("the order of a set")
+                return set.__iter__(self)
+            turned, key = stand_ins.judge.turned, frozenset(items)
+            if key not in turned:
+                turned[key] = not stand_ins.judge.decide(f"whether {items[0]!r} is first in a set", True)
+            items = items[::-1] if turned[key] else items
+        return iter(items)
 
     def __repr__(self) -> str:
         return f"{{{', '.join(map(repr, self))}}}" if self else "set()"
@@ -177,9 +161,7 @@ def _kept(name: str) -> Callable[..., Any]:
     return lambda self, *others: TrackedSet(plain(self, *map(_untracked, others)))
 
 
-for _name in ("union", "intersection", "difference", "symmetric_difference", "copy"):
-    setattr(TrackedSet, _name, _kept(_name))
-for _name in ("__or__", "__and__", "__sub__", "__xor__"):
+for _name in "union intersection difference symmetric_difference copy __or__ __and__ __sub__ __xor__".split():
     setattr(TrackedSet, _name, _kept(_name))
 
 
@@ -214,7 +196,7 @@ def _isinstance(value: Any, kinds: Any) -> bool:
         if held is not stand_ins.UNKNOWN:
             return stand_ins.judge.decide(f"the class of {name_of(value)}", isinstance(held, kinds))
         names = [getattr(k, "__name__", str(k)) for k in (kinds if isinstance(kinds, tuple) else (kinds,))]
-        declared = getattr(value, "_stand_in_declared", None)
+        declared = vars(value).get("_stand_in_declared")
         if isinstance(value, kinds) if type(value) is not StandIn else declared in names:
             return True
         return stand_ins.judge.decide(f"isinstance({name_of(value)}, {' or '.join(names)})", True)

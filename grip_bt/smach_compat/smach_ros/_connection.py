@@ -5,6 +5,7 @@ It is what was given, else rclpy. The first state or server that needs it connec
 
 from __future__ import annotations
 
+import builtins
 import functools
 import importlib
 import sys
@@ -128,14 +129,14 @@ class _Messages(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         if name == "__all__":
-            return sorted(_MESSAGES.keys() & _used_by(sys._getframe(1)))
+            return sorted(_MESSAGES.keys() & wanted_names(sys._getframe(1)))
         if name in _MESSAGES:
             return getattr(ros().introspection(), _MESSAGES[name])
         raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
 
 
-def _used_by(frame: FrameType | None) -> set[str]:
-    """Return the names in the code of the module that imports; so a star import of nothing used builds nothing."""
+def wanted_names(frame: FrameType | None) -> set[str]:
+    """Return the names that the module which imports uses and nobody has given it: what a star import has to."""
     while frame is not None and (frame.f_code.co_name != "<module>" or frame.f_globals["__name__"] == __name__):
         frame = frame.f_back
     todo, names = [] if frame is None else [frame.f_code], set[str]()
@@ -143,7 +144,8 @@ def _used_by(frame: FrameType | None) -> set[str]:
         code = todo.pop()
         names.update(code.co_names)
         todo += [each for each in code.co_consts if hasattr(each, "co_names")]
-    return names
+    there = {*vars(builtins), *(frame.f_globals if frame is not None else ())}
+    return {name for name in names - there if name[0] != "_"}
 
 
 PROVIDED = Provided({name: partial(_Messages, name) for name in ("smach_msgs", "smach_msgs.msg")})

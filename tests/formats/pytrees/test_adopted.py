@@ -234,3 +234,29 @@ def test_a_drawing_runs_the_tree_that_its_project_lists(code: Path) -> None:
     result, events = ran(str(file))
     assert result.status == "success"
     assert {event.path for event in events if event.event == "exit"} <= {path for path, _ in walk(task.root)}
+
+
+OLDER = """\
+import arm_driver
+from py_trees import behaviours, composites
+from py_trees.common import ParallelPolicy
+
+
+def create_root():
+    both = composites.Parallel("both", policy=ParallelPolicy.SUCCESS_ON_ONE)
+    both.add_children([behaviours.Running("run"), composites.Selector(children=[arm_driver.Lift("up")])])
+    first = composites.Sequence("first")
+    first.add_children([behaviours.Success("look"), both])
+    return first
+"""
+
+
+def test_a_tree_for_an_older_py_trees_runs_and_what_is_not_installed_is_stood_in_for(tmp_path):
+    (tmp_path / "older.py").write_text(OLDER)
+    told = []
+    options = RunOptions(journal=tmp_path / "runs.sqlite", ticks=1, stand_ins=True)
+    with open_session(f"{tmp_path}/older.py:create_root", options, lambda *words: told.append(words)) as session:
+        tree: Any = session.runner.compiled
+        memory = [each.memory for each in tree.root.iterate() if hasattr(each, "memory")]
+        assert (session.runner.run().outcome, memory) == ("success", [False, True])
+    assert ("stand-in", "package arm_driver") in told

@@ -83,7 +83,7 @@ def test_a_machine_with_constants_is_one_leaf_that_does_the_same(tmp_path, targe
     file = tmp_path / "legacy_constants.py"
     file.write_text(HEAD + CONSTANTS.replace("VALUE", "speed"))
     imported, paths = write_recorded(file, tmp_path)
-    assert verdicts(imported) == ["partial"]
+    assert verdicts(imported) == ["exact"]
     assert "'A' has constants" in texts(imported)
     outcome, ends, _ = run_task(paths["build"], target)
     assert (outcome, len(ends)) == (run_legacy(build_legacy(imported, "build"))[0], 1)

@@ -1,0 +1,113 @@
+"""What builds a machine, wherever it is: in states, methods, libraries; and what only seems to decide something."""
+
+import pytest
+from smach_runs import record, run_legacy, run_task, write_files
+
+from grip_bt.nodes.smach_construction import built_in, run_as_main
+
+HEAD = "import smach\n\n\nclass Step(smach.State):\n    def __init__(self, name='x'):\n"
+HEAD += (
+    "        smach.State.__init__(self, outcomes=['done'])\n\n    def execute(self, ud):\n        return 'done'\n\n\n"
+)
+
+WRAPPED = """
+class Gate(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=['done'])
+        self.inner = smach.StateMachine(outcomes=['done'])
+        with self.inner:
+            smach.StateMachine.add('A', Step())
+
+    def execute(self, ud):
+        return self.inner.execute()
+"""
+FILLED_LATER = """
+class Pick(smach.StateMachine):
+    def __init__(self):
+        smach.StateMachine.__init__(self, outcomes=['done'])
+
+    def define_for(self, robot):
+        with self:
+            smach.StateMachine.add('A', Step(robot.name))
+        return self
+"""
+KIND = """
+class Bracketed(smach.StateMachine):
+    def __init__(self, outcomes):
+        smach.StateMachine.__init__(self, outcomes)
+
+    def execute(self, ud=smach.UserData()):
+        return super().execute(ud)
+
+
+def build():
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        inner = Bracketed(['done'])
+        smach.StateMachine.add('INNER', inner)
+        with inner:
+            smach.StateMachine.add('A', Step())
+    return sm
+"""
+SET = """
+def build():
+    needed = set()
+    for arm in {'left', 'right'}:
+        needed.add(arm)
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        smach.StateMachine.add('A', Step(str(needed)))
+    return sm
+"""
+LABELLED = SET.replace("'A', Step(str(needed))", "'-'.join(needed), Step()")
+UNPACKED = """
+import rospy
+
+
+def build():
+    x, y = rospy.get_param('~goal', [1, 2])
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        smach.StateMachine.add('A', Step((x, y)))
+    return sm
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "verdicts"),
+    [
+        (WRAPPED, ["exact"]),
+        (FILLED_LATER, ["exact"]),
+        (KIND, ["exact", "exact"]),
+        (SET, ["exact"]),
+        (LABELLED, ["partial"]),
+        (UNPACKED, ["exact"]),
+    ],
+    ids=["a state with a machine", "filled by a method", "a kind of container", "a set", "labels of a set", "unpacked"],
+)
+def test_what_is_built_is_found_and_is_exact_where_nothing_decides(text, verdicts, tmp_path):
+    file = tmp_path / "legacy.py"
+    file.write_text(HEAD + text)
+    assert [c.verdict for c in record(file).containers] == verdicts
+
+
+def test_a_machine_that_a_library_makes_runs_in_the_place_of_what_is_executed(tmp_path):
+    """The workspace's folder without a package.xml, and the file that executes in a package of Python."""
+    package = tmp_path / "mission"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "steps.py").write_text(HEAD + "def machine():\n    return smach.StateMachine(outcomes=['done'])\n")
+    file = package / "go.py"
+    file.write_text(
+        "# on smach\nfrom mission.steps import Step, machine\n\n\ndef main():\n    made = machine()\n    with made:\n"
+        "        made.add('A', Step(), {'done': 'B'})\n        made.add('B', Step())\n    made.execute()\n\n\n"
+        "if __name__ == '__main__':\n    main()\n"
+    )
+    imported = record(file)
+    assert [c.verdict for c in imported.containers] == ["exact"]
+    paths = {name: tmp_path / "out" / f"{name}.yaml" for name in imported.tasks}
+    write_files(imported, paths, tmp_path / "out" / "nodes")
+    wanted = run_legacy(built_in(file, 0, run_as_main(file)))
+    for target in ("bt", "sm"):
+        outcome, ends, _ = run_task(next(iter(paths.values())), target)
+        assert (outcome, [path.strip("/") for path, _ in ends]) == (wanted[0], [path for path, _ in wanted[1]])
