@@ -178,7 +178,8 @@ def _packages(workspace: Workspace, packs: Any) -> None:
     def described(self: object, name: Any) -> Any:
         made, found = stand_in("manifest"), manifest(name)
         if len(found):
-            made.get_export = lambda tag, key: [e.get(key) for e in found.findall(f"export/{tag}") if e.get(key)]
+            exported = lambda tag, key: [e.get(key) for e in found.findall(f"export/{tag}") if e.get(key)]  # noqa: E731
+            vars(made)["get_export"] = exported
         return made
 
     packs.get_depends_on, packs.get_manifest = depending, described
