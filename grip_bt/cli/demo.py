@@ -18,7 +18,7 @@ from grip_bt.app.project.examples import examples_folder
 from grip_bt.app.runs.execute import open_session
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.base.values import Failure, Grasp
-from grip_bt.cli.run import add_run_options, exit_status, options_of, sentence
+from grip_bt.cli.run import add_run_options, exit_status, options_of, sentence, tell_end
 from grip_bt.cli.terminal import on_hang_up, on_stop
 from grip_bt.compilers.binding import parts_of
 from grip_bt.nodes.node import Observer
@@ -38,14 +38,14 @@ class Demo:
     Attributes:
         task: its file's name without `.yaml`.
         doc: a sentence for people.
-        check: path of the leaf that checks whether something is held.
+        check: path of the leaf that checks whether something is held; empty where there are no attempts.
         attempt: path of the node that is one attempt.
         project: its folder among the examples.
     """
 
     task: str
     doc: str
-    check: str
+    check: str = ""
     attempt: str = ATTEMPT
     project: str = ""
 
@@ -67,6 +67,11 @@ DEMOS = {
         "attempt/check",
         "attempt",
         "explore",
+    ),
+    "unscrew": Demo(
+        "unscrew",
+        "One arm holds a bottle; the other one's Allegro hand unscrews its cap with its fingertips.",
+        project="unscrew",
     ),
 }
 
@@ -101,7 +106,7 @@ def run_demo(args: argparse.Namespace) -> int:
             session.runner.context.clock.now,
             referee.truth if referee is not None else None,
             lambda attempt: say(attempt_line(attempt)),
-            parts_of(session.runner.compiled)[demo.attempt].meaning,
+            parts_of(session.runner.compiled)[demo.attempt].meaning if demo.check else {},
         )
         session.runner.observe(recorder)
         verdict = Verdict(session)
@@ -110,7 +115,9 @@ def run_demo(args: argparse.Namespace) -> int:
         run_id, journal = session.runner.run_id, session.journal
     wall, truth = time.monotonic() - began, end.get("truth", {})
     placed = sum(state == "placed" for state in truth.values())
-    if args.json:
+    if not demo.check:
+        tell_end({**end, "run": run_id}, args.json)
+    elif args.json:
         print(json.dumps(summary(result, recorder.attempts, placed, len(truth), wall)))
     else:
         print(f"\n{sentence(end)}. The referee: {words(truth)}.")

@@ -197,7 +197,7 @@ def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
             serve_control(session.runner, sys.stdin, sys.stdout, more)
         else:
             more(session.runner.run())
-            _tell({**end, "run": session.runner.run_id}, args.json)
+            tell_end({**end, "run": session.runner.run_id}, args.json)
     return exit_status(end)
 
 
@@ -238,7 +238,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> in
         return INVALID
     if not args.control:
         started = supervisor.started
-        _tell({**end, "run": started["run"] if started else None}, args.json)
+        tell_end({**end, "run": started["run"] if started else None}, args.json)
         if started and not args.json:
             _tell_failures(started, end["message"])
     return exit_status(end)
@@ -276,7 +276,8 @@ def sentence(end: RunEnd) -> str:
     return f"{end['status']}" + (f": {end['message']}" if end["message"] else "") + rest + left
 
 
-def _tell(end: RunEnd, as_json: bool) -> None:
+def tell_end(end: RunEnd, as_json: bool) -> None:
+    """Print how a run ended, and what the referee says."""
     keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies", "rest", "unconfirmed")
     said = {key: end[key] for key in ("truth", "judged", "contradiction") if key in end}
     took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""

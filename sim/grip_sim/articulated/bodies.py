@@ -45,7 +45,7 @@ class Articulated:
         """Apply what its joints do by themselves."""
 
     def measures(self) -> Mapping[str, float]:
-        """Return the numbers that the referee has of it, without its name: `opened` [m], `presses`, `turns`, `off`."""
+        """Return the numbers that the referee has of it, without its name: such as `opened` [m]."""
         return {}
 
     def kept(self) -> Array:
@@ -246,7 +246,7 @@ class _ScrewBottle(Articulated):
 
     def __init__(self, scene: sapien.Scene, name: str, said: ScrewBottleConfig, pose: Pose, replaced: Replaced):
         self._scene, self._name, self._said, self._replaced = scene, name, said, replaced
-        self._lift = said.pitch / (2 * np.pi)
+        self._lift, self._middle = said.pitch / (2 * np.pi), said.height + said.cap_height / 2 + 0.001
         self._free: physx.PhysxRigidDynamicComponent | None = None
         travel = said.pitch * said.turns
 
@@ -259,7 +259,7 @@ class _ScrewBottle(Articulated):
             f"{name}_cap": ("revolute_unwrapped", (-0.001, 2 * np.pi * said.turns + 1), UPWARDS, self._shape_cap),
         }
         self.body = _build(scene, pose, links, said.held)
-        self._cap = self.body.links[2]
+        self._cap, self._stood = self.body.links[2], self.body.links[0].entity_pose
         self.links = {self.body.links[0]: GLASS, self._cap: BLUE}
         self._slide, self._turn = self.body.active_joints
         self._slide.set_armature(np.array([1.0], np.float32))
@@ -270,8 +270,7 @@ class _ScrewBottle(Articulated):
 
     def _shape_cap(self, builder: Builder) -> None:
         said = self._said
-        middle = said.height + said.cap_height / 2 + 0.001
-        _add_cylinder(builder, said.cap_radius, said.cap_height, said.cap_mass, middle)
+        _add_cylinder(builder, said.cap_radius, said.cap_height, said.cap_mass, self._middle)
 
     def before_step(self) -> None:
         """Couple the slide and the turn, both ways; let the cap go at the end of its thread."""
@@ -300,7 +299,11 @@ class _ScrewBottle(Articulated):
 
     def measures(self) -> Mapping[str, float]:
         turns = float(self.body.get_qpos()[1]) / (2 * np.pi) if self._free is None else self._said.turns
-        return {"turns": turns, "off": float(self._free is not None)}
+        away, middle = self._stood.inv() * self.body.links[0].entity_pose, sapien.Pose([0.0, 0.0, self._middle])
+        twisted = 2 * float(np.arctan2(np.linalg.norm(away.q[1:]), abs(away.q[0])))
+        rise = float(((self._free or self._cap).entity_pose * middle).p[2] - (self._stood * middle).p[2])
+        moved = {"slid": float(np.linalg.norm(away.p)), "twisted": twisted, "rise": rise}
+        return {"turns": turns, "off": float(self._free is not None), **moved}
 
     def extra(self) -> Array:
         return np.zeros(0) if self._free is None else moving(self._free)

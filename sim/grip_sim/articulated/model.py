@@ -106,4 +106,5 @@ class ArticulatedConfig(Settings):
         """Return the names of the numbers that the referee has of it."""
         if self.drawer is not None:
             return (f"{name}_opened",)
-        return (f"{name}_presses",) if self.button is not None else (f"{name}_turns", f"{name}_off")
+        told = ("presses",) if self.button is not None else ("turns", "off", "slid", "twisted", "rise")
+        return tuple(f"{name}_{each}" for each in told)
