@@ -41,12 +41,12 @@ class Watch(grip.Observer):
     """Remembers the first node that failed, and what the referee has measured after each turn."""
 
     def __init__(self, referee: Any):
-        self.first, self.after, self.torques, self._referee = "", list[float](), list[float](), referee
+        self.first, self.after, self.pulls, self._referee = "", list[float](), list[float](), referee
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        """Note the torque."""
-        if variable == "torque" and isinstance(value, float):
-            self.torques.append(round(value, 3))
+        """Note a pull."""
+        if variable == "pull" and isinstance(value, float):
+            self.pulls.append(round(value, 3))
 
     def ended(self, path: str, outcome: str, failure: Any) -> None:
         """Note it."""
@@ -84,7 +84,7 @@ def trial(seed: int, folder: Path, equipment: Equipment) -> Row:
         "stage": watch.first,
         "message": str(result.failure or result.error or "")[:300],
         "after": watch.after,
-        "torques": watch.torques,
+        "pulls": watch.pulls,
     }
     return {**row, **measures, "simulated": round(result.duration, 1), "wall": round(time.monotonic() - began, 1)}
 
@@ -92,13 +92,13 @@ def trial(seed: int, folder: Path, equipment: Equipment) -> Row:
 def report(rows: Iterable[Row]) -> None:
     """Print the table."""
     rows = list(rows)
-    columns = ("seed", "thread [N m]", "turns to go", "cap off", "turned", "cycles", "bottle moved [mm]")
+    columns = ("seed", "thread [N m]", "turns to go", "cap off", "turned", "turns of the hand", "bottle moved [mm]")
     print("|", " | ".join((*columns, "twisted [deg]", "cap lifted [mm]", "failed")), "|")
     print("|---" * 10 + "|")
     for row in rows:
         slid, twisted, rise = row["bottle_slid"] * 1000, np.degrees(row["bottle_twisted"]), row["bottle_rise"] * 1000
         cells = [row["seed"], row["friction"], row["needed"], "yes" if row["bottle_off"] else "no"]
-        cells += [f"{row['bottle_turns']:.2f}", len(row["after"]), f"{slid:.1f}", f"{twisted:.1f}", f"{rise:.0f}"]
+        cells += [f"{row['bottle_turns']:.2f}", 3 * len(row["after"]), f"{slid:.1f}", f"{twisted:.1f}", f"{rise:.0f}"]
         print("|", " | ".join(map(str, [*cells, row["stage"]])), "|")
     off, kept = sum(row["bottle_off"] for row in rows), sum(row["bottle_rise"] > 0.03 for row in rows)
     print(f"\n{off:.0f} of {len(rows)} caps off, {kept} lifted in the hand")

@@ -81,31 +81,45 @@ async def around_cap(context: grip.Context, *, hand: str, angle: float = 24.0, r
     await _go(context, hand, circle(angle, radius), 1.0)
 
 
-@grip.leaf("unscrew/ratchet", outputs={"torque": float}, codes=("no_ik", "aborted", "no_data"))
+@grip.leaf("unscrew/ratchet", codes=("no_ik", "aborted"))
 async def ratchet(
     context: grip.Context,
     *,
     hand: str,
-    arm: str,
+    times: int = 3,
     angle: float = 24.0,
     cap_radius: float = 0.02,
     squeeze: float = 0.012,
     seconds: float = 0.4,
-) -> float:
-    """Close on the rim, go around by twice an angle [degrees], let go and go back; return the wrist's torque [N m].
+) -> None:
+    """Some times: close on the rim, go around by twice an angle [degrees], let go, and go back.
 
     Args:
         squeeze: how much closer than the rim the fingertips aim [m]: their joints' stiffness presses.
     """
-    touch, mover = cap_radius + TIP, context.arm(arm)
-    await _go(context, hand, circle(angle, touch - squeeze), seconds)
-    before = mover.wrench()
-    for part in (0.0, -1.0):
-        await _go(context, hand, circle(part * angle, touch - squeeze), seconds)
-    torque = float((mover.wrench() - before)[5])
-    await _go(context, hand, circle(-angle, WIDE), seconds)
-    await _go(context, hand, circle(angle, WIDE), seconds)
-    return torque
+    pressed = cap_radius + TIP - squeeze
+    for _ in range(times):
+        for part, radius in ((1.0, pressed), (0.0, pressed), (-1.0, pressed), (-1.0, WIDE), (1.0, WIDE)):
+            await _go(context, hand, circle(part * angle, radius), seconds)
+
+
+@grip.leaf("unscrew/pull", outputs={"pull": float}, codes=("no_ik", "no_plan", "path_invalid", "aborted", "no_data"))
+async def pull(
+    context: grip.Context, *, hand: str, arm: str, radius: float = 0.02, rise: float = 0.004, enough: float = 1.0
+) -> float:
+    """Take the cap, go up a little, and return how much more the wrist bears in z: its weight, or the thread's pull.
+
+    A cap that is held back by `enough` [N] is let go, and the hand goes down again.
+    """
+    mover = context.arm(arm)
+    await _go(context, hand, circle(24.0, radius), 0.6)
+    there, before = mover.grasp_pose(), mover.wrench()
+    await mover.execute(await mover.plan_straight([there.moved((0.0, 0.0, rise))]))
+    bears = float((mover.wrench() - before)[2])
+    if bears < -enough:
+        await _go(context, hand, circle(24.0, WIDE), 0.6)
+        await mover.execute(await mover.plan_straight([there]))
+    return bears
 
 
 async def _go(context: grip.Context, hand: str, tips: dict[str, list[float]], seconds: float) -> JointState:
