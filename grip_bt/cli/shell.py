@@ -66,6 +66,7 @@ def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> ar
     """Return the command's parser with all verbs, of which some are shown, and the options of the one that is named."""
     about = "Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine."
     more = "`grip help all` lists all verbs, `grip help VERB` and `grip VERB --help` say how one is used."
+    more += " Exit status: 0 done, 1 wrong input, 2 usage, 3 a task failed, 4 error in a node or process, 130 stopped."
     parser = Parser(prog="grip", description=about, epilog=more)
     parser.add_argument("--version", action="version", version=f"grip {__version__}")
     subparsers = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
