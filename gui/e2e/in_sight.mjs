@@ -53,7 +53,7 @@ await onPage(url, async (page, { button, choose, fileIs, pick }) => {
 
   // A narrow pane has no map in its corner, which would hide most of it.
   await button("Tree").click();
-  const map = page.locator(".tree-map");
+  const map = page.locator(".map");
   await map.waitFor();
   const { height } = await map.boundingBox();
   if (height > 100) throw new Error(`the map is ${height} px high, and says nothing in most of them`);

@@ -194,6 +194,7 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
         "in_sight.mjs",
         "edit_while_paused.mjs",
         "typing.mjs",
+        "scale.mjs",
     ],
 )
 def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:

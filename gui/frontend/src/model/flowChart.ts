@@ -66,15 +66,19 @@ interface Laid {
  * @param pins positions of pinned nodes, each in the chart of its own container.
  */
 export async function chartOf(scene: Scene, pins: Pins, lay: Lay): Promise<FlowChart> {
-  return placed(scene, await laidOut(scene, pins, lay));
+  return placed(scene, await laidOut(scene, pins, lay, chartsIn(scene) > SEVERAL ? PLACEMENTS.slice(0, 1) : PLACEMENTS));
 }
 
+/** With more containers open, other ways to place nodes aren't tried: that would take several times as long. */
+const SEVERAL = 30;
+const chartsIn = (scene: Scene): number => [...scene.inside.values()].reduce((sum, inner) => sum + chartsIn(inner), 1);
+
 /** Inner charts before those in which they stand: their sizes and the places of their ends have to be known. */
-async function laidOut(scene: Scene, pins: Pins, lay: Lay): Promise<Laid> {
+async function laidOut(scene: Scene, pins: Pins, lay: Lay, placements: typeof PLACEMENTS): Promise<Laid> {
   const inside = new Map<string, Laid>();
-  for (const [path, inner] of scene.inside) inside.set(path, await laidOut(inner, pins, lay));
+  for (const [path, inner] of scene.inside) inside.set(path, await laidOut(inner, pins, lay, placements));
   const levels = new Map([...inside].map(([path, laid]) => [path, laid.level]));
-  const free = scene.flow.items.length > MOST ? gridOf(scene.flow, levels, scene.box) : await straightest(scene, levels, lay);
+  const free = scene.flow.items.length > MOST ? gridOf(scene.flow, levels, scene.box) : await straightest(scene, levels, lay, placements);
   return { ...withPins(free, scene.flow, pins, levels, scene.box !== null), inside };
 }
 
@@ -82,10 +86,10 @@ async function laidOut(scene: Scene, pins: Pins, lay: Lay): Promise<Laid> {
 const FEW = 60;
 
 /** The layout in which most edges of success are straight; the first of those. */
-async function straightest(scene: Scene, levels: ReadonlyMap<string, Level>, lay: Lay): Promise<Level> {
+async function straightest(scene: Scene, levels: ReadonlyMap<string, Level>, lay: Lay, placements: typeof PLACEMENTS): Promise<Level> {
   const bent = (level: Level): number => scene.flow.edges.filter((edge) => edge.meaning === "success" && !isBack(level, edge) && (level.lines.get(edge.id)?.points.length ?? 2) > 2).length;
   let best: Level | null = null;
-  for (const placement of PLACEMENTS) {
+  for (const placement of placements) {
     const level = levelOf(await lay(graphOf(scene.flow, levels, scene.box, placement)));
     if (best === null || bent(level) < bent(best)) best = level;
     if (bent(best) === 0 || scene.flow.items.length > FEW) break;

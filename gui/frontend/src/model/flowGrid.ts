@@ -38,16 +38,19 @@ export function gridOf(flow: Flow, inside: ReadonlyMap<string, Level>, open: Flo
   const level = { boxes, ports, width, height: y };
   const targets = new Map(flow.items.map((item, i) => [item.id, i % LANES]));
   const lines = new Map<string, Line>();
+  const known = new Map(flow.items.map((item) => [item.id, item]));
+  const rank = new Map(order.map((id, i) => [id, i]));
   for (const edge of flow.edges) {
-    const [from, to] = [flow.items.find((item) => item.id === edge.source), flow.items.find((item) => item.id === edge.target)] as [FlowItem, FlowItem];
+    const [from, to] = [known.get(edge.source), known.get(edge.target)] as [FlowItem, FlowItem];
+    const at = rank.get(edge.source) ?? -1;
     const [source, target] = [boxes.get(edge.source), boxes.get(edge.target)];
     const a = source === undefined ? (ports.get("") as Point) : leaves(from, edge.outcome, source, inside.get(edge.source));
     const b = target === undefined ? (ports.get(to.outcome ?? "") as Point) : { x: target.x, y: target.y + (to.kind === "end" ? target.height / 2 : (inside.get(edge.target)?.ports.get("")?.y ?? LEAD)) };
     const lane = ((targets.get(edge.target) as number) + 1) * LANE;
-    const out = source === undefined ? a.x + lane : source.x + (wide[order.indexOf(edge.source) % columns] as number) + words + 8 + lane;
-    const low = source === undefined ? OPEN_TOP - 4 : (lows[Math.floor(order.indexOf(edge.source) / columns)] as number) + lane;
+    const out = source === undefined ? a.x + lane : source.x + (wide[at % columns] as number) + words + 8 + lane;
+    const low = source === undefined ? OPEN_TOP - 4 : (lows[Math.floor(at / columns)] as number) + lane;
     const into = b.x - LANES_WIDE + lane - 4;
-    const next = source !== undefined && target !== undefined && order.indexOf(edge.target) === order.indexOf(edge.source) + 1 && target.x > source.x;
+    const next = source !== undefined && target !== undefined && rank.get(edge.target) === at + 1 && target.x > source.x;
     const points = next ? [a, { x: into, y: a.y }, { x: into, y: b.y }, b] : [a, { x: out, y: a.y }, { x: out, y: low }, { x: into, y: low }, { x: into, y: b.y }, b];
     lines.set(edge.id, { points: tidied(points), label: edge.label ? { x: a.x + 6 + labelWidth(edge.label) / 2, y: a.y } : null });
   }

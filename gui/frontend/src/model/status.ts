@@ -103,6 +103,15 @@ export class TaskIndex {
   }
 }
 
+/** The leaf that works; the last one that has begun, where several do. */
+export function runningLeaf(index: TaskIndex, moment: Moment): string | null {
+  let found: string | null = null;
+  for (const [path, status] of moment.nodes) {
+    if (status.phase === "running" && index.byPath.get(path)?.kind === "leaf") found = path;
+  }
+  return found;
+}
+
 export function variableKey(scope: string, name: string): string {
   return `${scope}:${name}`;
 }

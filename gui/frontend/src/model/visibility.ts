@@ -1,6 +1,6 @@
 /** What of a large drawing is in sight: the boxes and lines that touch a part of it. */
 import type { NodeView } from "../protocol/generated";
-import type { Box } from "./layout";
+import type { Box, Point } from "./layout";
 
 export interface Area {
   readonly left: number;
@@ -20,10 +20,21 @@ export function areaInSight([x, y, zoom]: readonly [number, number, number], wid
   return { left: floor(-x / zoom), top: floor(-y / zoom), right: ceil((width - x) / zoom), bottom: ceil((height - y) / zoom) };
 }
 
-export function nodesIn(area: Area, nodes: readonly NodeView[], boxes: ReadonlyMap<string, Box>): NodeView[] {
-  return nodes.filter((node) => {
-    const box = boxes.get(node.path);
-    return box !== undefined && box.x < area.right && box.x + box.width > area.left && box.y < area.bottom && box.y + box.height > area.top;
+/** More boxes than these are never elements of the page all at once, where they are too small to be read. */
+export const MANY = 80;
+
+/** What touches an area, in the order of the boxes. */
+export function idsIn(area: Area, boxes: ReadonlyMap<string, Box>): ReadonlySet<string> {
+  const found = new Set<string>();
+  for (const [id, box] of boxes) if (box.x < area.right && box.x + box.width > area.left && box.y < area.bottom && box.y + box.height > area.top) found.add(id);
+  return found;
+}
+
+/** Whether a line of these points comes into an area. */
+export function touches(points: readonly Point[], area: Area): boolean {
+  return points.some((to, i) => {
+    const from = points[i - 1] ?? to;
+    return Math.min(from.x, to.x) < area.right && Math.max(from.x, to.x) > area.left && Math.min(from.y, to.y) < area.bottom && Math.max(from.y, to.y) > area.top;
   });
 }
 
@@ -41,13 +52,6 @@ export function linesIn(area: Area, nodes: readonly NodeView[], boxes: ReadonlyM
     const middle = (x1 + to.x) / 2;
     parts.push(`M${x1} ${y1}C${middle} ${y1} ${middle} ${y2} ${to.x} ${y2}`);
   }
-  return parts.join("");
-}
-
-/** All boxes as one SVG path, for a map. */
-export function silhouette(boxes: Iterable<Box>): string {
-  const parts: string[] = [];
-  for (const { x, y, width, height } of boxes) parts.push(`M${x} ${y}h${width}v${height}h${-width}z`);
   return parts.join("");
 }
 

@@ -37,8 +37,15 @@ function toggleView(): void {
 }
 
 function foldAll(): void {
-  usePage.setState({ closed: allFolded(useRun.getState().task.nodes) });
+  usePage.setState({ closed: allFolded(useRun.getState().task.nodes), opened: new Set() });
   usePage.getState().select("/");
+}
+
+/** In the outline and the tree; where the flow chart is shown, in place there too. */
+function unfoldAll(): void {
+  const { view, beside, opened } = usePage.getState();
+  const flow = view === "flow" || (view === "split" && beside === "flow");
+  usePage.setState({ closed: new Set(), opened: flow ? allFolded(useRun.getState().task.nodes) : opened });
 }
 
 const PANES: readonly (readonly [Pane, string])[] = [
@@ -92,7 +99,7 @@ export const ACTIONS: readonly Action[] = [
   { id: "enter", title: "Go into the container", keys: ["Enter"], run: enterSelected },
   { id: "in-place", title: "Open the container in place, or close it", keys: ["Shift+Enter"], run: toggleInPlace },
   { id: "leave", title: "Go out of the container", keys: ["Backspace"], run: leaveContainer },
-  { id: "unfold", title: "Unfold everything", keys: [], run: () => usePage.setState({ closed: new Set() }) },
+  { id: "unfold", title: "Unfold everything", keys: [], run: unfoldAll },
   { id: "fold", title: "Fold everything", keys: [], run: foldAll },
   { id: "run", title: "Run", keys: ["Alt+r"], inFields: true, run: () => start() },
   { id: "pause", title: "Pause or resume", keys: ["Alt+p"], inFields: true, run: pauseOrResume },

@@ -1,16 +1,16 @@
 /** The tree of the task. Statuses reach the nodes through the store, never through the node list. */
-import { Background, ControlButton, Controls, type Node, Panel, Position, ReactFlow, type ReactFlowState, useReactFlow, useStore, ViewportPortal } from "@xyflow/react";
-import { type JSX, type PointerEvent, type RefObject, useEffect, useMemo, useRef, useState } from "react";
+import { Background, type Node, Position, ReactFlow, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
+import { type JSX, type MouseEvent, type RefObject, useCallback, useEffect, useMemo, useRef, useState } from "react";
 
 import { type Box, layoutTree } from "../model/layout";
-import type { Moment, TaskIndex } from "../model/status";
-import { areaInSight, extent, FEW_NODES, hasRoomForMap, isInSight, LINE_AT, linesIn, nearestShown, nodesIn, silhouette, unfolded } from "../model/visibility";
+import { runningLeaf } from "../model/status";
+import { FEW_NODES, hasRoomForMap, isInSight, LINE_AT, linesIn, nearestShown, unfolded } from "../model/visibility";
 import type { NodeView } from "../protocol/generated";
 import { openSubtask } from "../store/converting";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { TreeNode } from "./TreeNode";
-import { Detail } from "./marks";
+import { Detail, type Face, Overview, Sketch, useLeastZoom, useSight, Whole } from "./drawing";
 
 const NODE_TYPES = { task: TreeNode };
 const NO_EDGES: never[] = [];
@@ -24,14 +24,29 @@ export function TreeCanvas(): JSX.Element {
   const closed = usePage((s) => s.closed);
   const shown = useMemo(() => unfolded(all, closed), [all, closed]);
   const boxes = useMemo(() => layoutTree(shown), [shown]);
-  const { left, top, right, bottom } = useStore(inSight, sameArea);
-  const area = useMemo(() => ({ left, top, right, bottom }), [left, top, right, bottom]);
+  const sight = useSight(boxes);
+  const { area, inside, sketched, real } = sight;
+  const elements = sketched ? real : inside;
   const known = useRef(new Map<string, Node>());
-  const nodes = useMemo(() => drawn(nodesIn(area, shown, boxes), boxes, known), [area, shown, boxes]);
-  const lines = useMemo(() => linesIn(area, shown, boxes), [area, shown, boxes]);
+  const nodes = useMemo(() => drawn(shown.filter((node) => elements.has(node.path)), boxes, known), [elements, shown, boxes]);
+  const strokes = useMemo(() => [{ path: linesIn(area, shown, boxes), color: "line-strong", width: 1 }], [area, shown, boxes]);
+  const byPath = useRun((s) => s.index.byPath);
+  const faceOf = useCallback((path: string): Face => ({ name: byPath.get(path)?.name ?? "", shape: byPath.get(path)?.kind === "leaf" ? "leaf" : "container" }), [byPath]);
   const mapped = useStore((s) => hasRoomForMap(s.width)) && shown.length > FEW_NODES;
+  const leastZoom = useLeastZoom(boxes);
   const [begun, setBegun] = useState("");
-  const { select, mark } = usePage.getState();
+  const press = (event: MouseEvent, path: string | null): void => {
+    if (path === null) return;
+    const { select, mark } = usePage.getState();
+    (event.ctrlKey || event.metaKey || event.shiftKey ? mark : select)(path);
+  };
+  const enterAt = (path: string | null): void => {
+    const view = byPath.get(path ?? "");
+    if (view === undefined) return;
+    if (view.kind === "subtask") return openSubtask(view);
+    usePage.getState().enter(view.path);
+    usePage.getState().setView("flow");
+  };
   const setFollow = usePage((s) => s.setFollow);
   return (
     <ReactFlow
@@ -45,15 +60,15 @@ export function TreeCanvas(): JSX.Element {
       edgesFocusable={false}
       elementsSelectable={false}
       onInit={() => setBegun(path)}
-      minZoom={0.1}
+      className={sight.look}
+      minZoom={leastZoom}
       maxZoom={2}
-      onNodeClick={(event, node) => (event.ctrlKey || event.metaKey || event.shiftKey ? mark(node.id) : select(node.id))}
-      onNodeDoubleClick={(_, node) => {
-        const view = all.find((each) => each.path === node.id);
-        if (view?.kind === "subtask") return openSubtask(view);
-        usePage.getState().enter(node.id);
-        usePage.getState().setView("flow");
-      }}
+      onMouseMove={() => sight.dragged(null)}
+      onDragOver={sight.dragged}
+      onPaneClick={(event) => press(event, sight.at(event))}
+      onDoubleClick={(event) => enterAt(sight.at(event))}
+      onNodeClick={(event, node) => press(event, node.id)}
+      onNodeDoubleClick={(_, node) => enterAt(node.id)}
       zoomOnDoubleClick={false}
       onMoveStart={(event) => {
         if (event) setFollow(false);
@@ -62,53 +77,21 @@ export function TreeCanvas(): JSX.Element {
       aria-label="Tree of the task; the outline has the same content for keyboards"
     >
       <ViewportPortal>
-        <svg className="tree-lines" aria-hidden="true">
-          <path d={lines} />
-        </svg>
+        <Sketch sight={sight} boxes={boxes} strokes={strokes} faceOf={faceOf} />
       </ViewportPortal>
-      <Background gap={24} />
-      <Whole key={path} boxes={boxes} begun={begun === path} />
-      {mapped && <TreeMap boxes={boxes} />}
+      {!sketched && <Background gap={24} />}
+      <Whole key={path} boxes={boxes} begun={begun === path} least={LEAST_ZOOM} begin={(_, __, height) => rootIn(boxes.get("/"), height)} />
+      {mapped && <Overview boxes={boxes} />}
       <Detail />
       <Follower boxes={boxes} begun={begun === path} mapped={mapped} />
     </ReactFlow>
   );
 }
 
-const inSight = (s: ReactFlowState): ReturnType<typeof areaInSight> => areaInSight(s.transform, s.width, s.height);
-
-function sameArea(one: ReturnType<typeof areaInSight>, other: ReturnType<typeof areaInSight>): boolean {
-  return one.left === other.left && one.top === other.top && one.right === other.right && one.bottom === other.bottom;
-}
-
-/** The buttons for the zoom. Only nodes in sight are known to the canvas, so that the whole is fitted by its extent. */
-function Whole({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boolean }): JSX.Element {
-  const { setViewport } = useReactFlow();
-  const width = useStore((s) => s.width);
-  const height = useStore((s) => s.height);
-  const fitted = useRef(false);
-  const fit = (least: number): void => {
-    const { left, top, right, bottom } = extent(boxes.values());
-    const zoom = Math.min(1.1, (width * 0.92) / (right - left), (height * 0.92) / (bottom - top));
-    if (zoom >= least) return void setViewport({ x: (width - (left + right) * zoom) / 2, y: (height - (top + bottom) * zoom) / 2, zoom });
-    // From where it begins, as large as can be read.
-    const root = boxes.get("/") as Box;
-    void setViewport({ x: 24 - root.x * READABLE_ZOOM, y: height / 2 - (root.y + LINE_AT) * READABLE_ZOOM, zoom: READABLE_ZOOM });
-  };
-  useEffect(() => {
-    if (fitted.current || !begun || width === 0 || boxes.size === 0) return;
-    fitted.current = true;
-    fit(LEAST_ZOOM);
-  });
-  return (
-    <Controls orientation="horizontal" showInteractive={false} showFitView={false}>
-      <ControlButton onClick={() => fit(0.1)} title="Fit View" aria-label="Fit View">
-        <svg viewBox="0 0 32 30" aria-hidden="true">
-          <path d="M3 9V3h7M22 3h7v6M29 21v6h-7M10 27H3v-6" fill="none" stroke="currentColor" strokeWidth="3" />
-        </svg>
-      </ControlButton>
-    </Controls>
-  );
+/** From where the task begins, as large as can be read. */
+function rootIn(root: Box | undefined, height: number): Viewport {
+  const { x, y } = root ?? { x: 0, y: 0 };
+  return { x: 24 - x * READABLE_ZOOM, y: height / 2 - (y + LINE_AT) * READABLE_ZOOM, zoom: READABLE_ZOOM };
 }
 
 /** Keeps the running leaf in sight, and brings a node that was selected elsewhere into sight. */
@@ -172,63 +155,10 @@ function canvasNode(node: NodeView, { x, y, width, height }: Box): Node {
   };
 }
 
-function runningLeaf(index: TaskIndex, moment: Moment): string | null {
-  let found: string | null = null;
-  for (const [path, status] of moment.nodes) {
-    if (status.phase === "running" && index.byPath.get(path)?.kind === "leaf") found = path;
-  }
-  return found;
-}
-
 function centre(box: Box): [number, number] {
   return [box.x + box.width / 2, box.y + box.height / 2];
 }
 
 function pace(): number {
   return matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 300;
-}
-
-const WIDTH = 140;
-const HEIGHT = 96;
-
-export function TreeMap({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.Element {
-  const { setCenter, getZoom } = useReactFlow();
-  const all = useMemo(() => extent(boxes.values()), [boxes]);
-  const shape = useMemo(() => silhouette(boxes.values()), [boxes]);
-  const scale = Math.max((all.right - all.left) / WIDTH, (all.bottom - all.top) / HEIGHT, 1);
-  const go = (event: PointerEvent<SVGSVGElement>): void => {
-    if (event.buttons !== 1) return;
-    const frame = event.currentTarget.getBoundingClientRect();
-    const x = (all.left + all.right) / 2 + (event.clientX - frame.left - frame.width / 2) * scale;
-    const y = (all.top + all.bottom) / 2 + (event.clientY - frame.top - frame.height / 2) * scale;
-    void setCenter(x, y, { zoom: getZoom(), duration: 0 });
-  };
-  const left = (all.left + all.right - WIDTH * scale) / 2;
-  const top = (all.top + all.bottom - HEIGHT * scale) / 2;
-  return (
-    <Panel position="bottom-right" className="tree-map nopan nowheel">
-      <svg
-        width={WIDTH}
-        height={HEIGHT}
-        viewBox={`${left} ${top} ${WIDTH * scale} ${HEIGHT * scale}`}
-        aria-hidden="true"
-        onPointerDown={(event) => {
-          event.currentTarget.setPointerCapture(event.pointerId);
-          go(event);
-        }}
-        onPointerMove={go}
-      >
-        <path d={shape} />
-        <Frame />
-      </svg>
-    </Panel>
-  );
-}
-
-/** What is in sight. */
-function Frame(): JSX.Element {
-  const [x, y, zoom] = useStore((s) => s.transform);
-  const width = useStore((s) => s.width);
-  const height = useStore((s) => s.height);
-  return <rect className="frame" x={-x / zoom} y={-y / zoom} width={width / zoom} height={height / zoom} vectorEffect="non-scaling-stroke" />;
 }

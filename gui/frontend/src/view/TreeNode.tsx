@@ -15,7 +15,8 @@ import { useForm } from "./edit/EditBar";
 import { Parameters, useFace } from "./edit/LeafForm";
 import { useDropTarget } from "./hooks";
 import { KindIcon, PhaseIcon } from "./icons";
-import { HoldMark, isNear, lensMark, ProblemMark } from "./marks";
+import { isNear } from "./drawing";
+import { HoldMark, lensMark, ProblemMark } from "./marks";
 
 export function TreeNode({ data }: NodeProps): JSX.Element {
   const node = data["node"] as NodeView;

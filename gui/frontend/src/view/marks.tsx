@@ -1,6 +1,5 @@
 /** Small marks on nodes: what is wrong with them, and what they do with the variable that the lens is on. */
-import { type ReactFlowState, useStore } from "@xyflow/react";
-import { type JSX, useEffect } from "react";
+import type { JSX } from "react";
 
 import { expressionNames } from "../model/values";
 import type { NodeView } from "../protocol/generated";
@@ -41,23 +40,6 @@ export function lensMark(node: NodeView, lens: string | null): JSX.Element | nul
   const reads = Object.values(node.inputs).some(isIt) || expressionNames(node).some(isIt);
   if (!writes && !reads) return null;
   return <span className="lens-mark">{[writes && "writes", reads && "reads"].filter(Boolean).join(", ")}</span>;
-}
-
-const FAR = 0.45;
-const NEAR = 1.5;
-
-/** Whether nodes show what they are set to. */
-export function isNear(s: ReactFlowState): boolean {
-  return s.transform[2] >= NEAR;
-}
-
-export function Detail(): null {
-  const far = useStore((s) => s.transform[2] < FAR);
-  const root = useStore((s) => s.domNode);
-  useEffect(() => {
-    root?.classList.toggle("far", far);
-  }, [root, far]);
-  return null;
 }
 
 export function NewPane({ task, at, words }: { task: string; at: string; words: string }): JSX.Element {

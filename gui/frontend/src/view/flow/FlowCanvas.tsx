@@ -1,12 +1,12 @@
 /** A container's inside as a flow chart: drag from an outcome to where it leads, drag a node to pin it. */
-import { Background, type Connection, Controls, type Edge, MarkerType, MiniMap, type Node, Position, ReactFlow, type ReactFlowInstance, useReactFlow, useStore } from "@xyflow/react";
-import { type DragEvent, type JSX, useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { Background, type Connection, type Edge, MarkerType, type Node, Position, ReactFlow, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
+import { type DragEvent, type JSX, type MouseEvent, useCallback, useEffect, useMemo, useRef, useState } from "react";
 
 import { parentOf } from "../../model/commands";
 import { isStart, LEAD, PORT_HEIGHT, targetName } from "../../model/flow";
-import { chartedIn, type FlowChart, isCharted, pinAt, type PlacedItem, sceneOf } from "../../model/flowChart";
-import type { Box } from "../../model/layout";
-import { FEW_NODES, hasRoomForMap, isInSight } from "../../model/visibility";
+import { chartedIn, type FlowChart, isCharted, pinAt, type PlacedEdge, type PlacedItem, sceneOf } from "../../model/flowChart";
+import type { Box, Point } from "../../model/layout";
+import { type Area, FEW_NODES, hasRoomForMap, isInSight, MANY, touches } from "../../model/visibility";
 import { openSubtask } from "../../store/converting";
 import { useDocument } from "../../store/document";
 import { pin } from "../../store/editing";
@@ -16,8 +16,9 @@ import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { FormBadge } from "../edit/EditBar";
 import { drop, isDrag } from "../hooks";
-import { Detail, NewPane } from "../marks";
-import { EndNode, FlowEdgeLine, FlowNode, INSIDE, StartNode } from "./FlowNode";
+import { Detail, type Face, Overview, type Sight, Sketch, type Stroke, useLeastZoom, useSight, Whole } from "../drawing";
+import { NewPane } from "../marks";
+import { EndNode, FlowEdgeLine, FlowNode, INSIDE, roundedToDot, StartNode } from "./FlowNode";
 import { useChart } from "./layouter";
 
 const NODE_TYPES = { node: FlowNode, end: EndNode, start: StartNode };
@@ -37,7 +38,7 @@ export function FlowCanvas(): JSX.Element {
   const scene = useMemo(() => sceneOf(task, index.byPath, container, opened), [task, index, container, opened]);
   const shown = useChart(scene, pins, `${task.path}:${container}`);
   return (
-    <section className="flow" aria-label="Flow chart" onDragOver={allow} onDrop={(event) => drop(event, { parent: container, index: index.byPath.get(container)?.children.length ?? 0 })}>
+    <section className="flow" aria-label="Flow chart" aria-busy={shown?.scene !== scene} onDragOver={allow} onDrop={(event) => drop(event, { parent: container, index: index.byPath.get(container)?.children.length ?? 0 })}>
       {shown ? <Chart key={shown.key} chart={shown.chart} pins={pins} locked={locked} /> : <p className="hint padded">Laying out the chart ...</p>}
     </section>
   );
@@ -50,9 +51,16 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
   const [begun, setBegun] = useState(false);
   const [edge, setEdge] = useState<string | null>(null);
   const [dragged, setDragged] = useState<{ id: string; x: number; y: number } | null>(null);
-  const nodes = useMemo(() => flowNodes(chart, dragged), [chart, dragged]);
-  const edges = useMemo(() => flowEdges(chart, edge, dragged?.id ?? null), [chart, edge, dragged?.id]);
-  const mapped = useStore((s) => hasRoomForMap(s.width)) && nodes.length > FEW_NODES;
+  const sight = useSight(boxes);
+  const { area, sketched } = sight;
+  const parts = useMemo(() => partsOf(chart, sight, dragged?.id ?? null), [chart, sight.inside, sight.real, sketched, dragged?.id]);
+  const nodes = useMemo(() => flowNodes(parts.items, boxes, dragged, sketched), [parts, boxes, dragged, sketched]);
+  const edges = useMemo(() => flowEdges(chart, parts.edges, edge, dragged?.id ?? null), [chart, parts, edge, dragged?.id]);
+  const strokes = useMemo(() => strokesOf(chart, new Set(parts.edges), area, sketched), [chart, parts, area, sketched]);
+  const byId = useMemo(() => new Map(chart.items.map((each) => [each.item.id, each])), [chart]);
+  const faceOf = useCallback((id: string): Face | undefined => faceIn(byId, id), [byId]);
+  const mapped = useStore((s) => hasRoomForMap(s.width)) && chart.items.length > FEW_NODES;
+  const leastZoom = useLeastZoom(boxes);
   const pinned = chart.items.some(({ item }) => pins[item.id] !== undefined);
   useEffect(() => setDragged(null), [chart]);
 
@@ -66,6 +74,17 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
     } else if (isStart(source) || sourceHandle === INSIDE) void beginWith(target);
     else void connect(source, sourceHandle ?? "success", end ?? targetName(target));
   }, [container]);
+  const press = (event: MouseEvent, id: string | null): void => {
+    setEdge(null);
+    if (id === null || !index.byPath.has(id)) return;
+    const { select, mark } = usePage.getState();
+    (event.ctrlKey || event.metaKey || event.shiftKey ? mark : select)(id);
+  };
+  const enterAt = (id: string | null): void => {
+    const view = index.byPath.get(id ?? "");
+    if (view?.kind === "subtask") openSubtask(view);
+    else if (view?.children.length) usePage.getState().enter(view.path);
+  };
   const chosen = chart.edges.find((each) => each.id === edge);
   const canEdit = !locked;
   return (
@@ -95,23 +114,18 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
         deleteKeyCode={null}
         selectionKeyCode={null}
         multiSelectionKeyCode={null}
-        minZoom={0.1}
+        className={sight.look}
+        minZoom={leastZoom}
         maxZoom={2}
-        onInit={(canvas) => void showAll(canvas).then(() => setBegun(true))}
+        onInit={() => setBegun(true)}
+        onMouseMove={() => sight.dragged(null)}
+        onDragOver={sight.dragged}
         onConnect={onConnect}
-        onNodeClick={(event, node) => {
-          setEdge(null);
-          if (node.type !== "node") return;
-          if (event.ctrlKey || event.metaKey || event.shiftKey) usePage.getState().mark(node.id);
-          else usePage.getState().select(node.id);
-        }}
-        onNodeDoubleClick={(_, node) => {
-          const view = index.byPath.get(node.id);
-          if (view?.kind === "subtask") openSubtask(view);
-          else if (view?.children.length) usePage.getState().enter(node.id);
-        }}
+        onNodeClick={(event, node) => press(event, node.id)}
+        onNodeDoubleClick={(_, node) => enterAt(node.id)}
+        onDoubleClick={(event) => enterAt(sight.at(event))}
         onEdgeClick={(_, clicked) => setEdge(clicked.id)}
-        onPaneClick={() => setEdge(null)}
+        onPaneClick={(event) => press(event, sight.at(event))}
         onNodeDrag={(_, node) => setDragged({ id: node.id, ...node.position })}
         onNodeDragStop={(_, node) => {
           if (node.type === "node") void pin("flow", { [node.id]: pinAt(chart, node.id, node.position) });
@@ -119,9 +133,14 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
         attributionPosition="bottom-center"
         aria-label="Flow chart of the container; the outline and the forms have the same content for keyboards"
       >
-        <Background gap={24} />
-        <Controls orientation="horizontal" showInteractive={false} />
-        {mapped && <MiniMap pannable zoomable style={{ width: 140, height: 96 }} />}
+        {(sketched || strokes.length > 0) && (
+          <ViewportPortal>
+            <Sketch sight={sight} boxes={boxes} strokes={strokes} faceOf={faceOf} />
+          </ViewportPortal>
+        )}
+        {!sketched && <Background gap={24} />}
+        <Whole boxes={boxes} begun={begun} least={READABLE} begin={beginning} />
+        {mapped && <Overview boxes={boxes} />}
         <Detail />
         <Keeper boxes={boxes} begun={begun} mapped={mapped} pinned={pinned} />
       </ReactFlow>
@@ -130,14 +149,9 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
   );
 }
 
-/** Show the whole chart, or its beginning where the whole would be too small to read. */
-async function showAll(canvas: ReactFlowInstance): Promise<void> {
-  await canvas.fitView({ padding: 0.06, maxZoom: 1.1 });
-  const { zoom } = canvas.getViewport();
-  if (zoom >= READABLE) return;
-  const { x, y, height } = canvas.getNodesBounds(canvas.getNodes());
-  const pane = document.querySelector(".flow .react-flow")?.clientHeight ?? 0;
-  await canvas.setViewport({ x: 16 - x * READABLE, y: Math.max(16, (pane - height * READABLE) / 2) - y * READABLE, zoom: READABLE });
+/** Its upper left, as large as can be read. */
+function beginning({ left, top, bottom }: Area, _: number, height: number): Viewport {
+  return { x: 16 - left * READABLE, y: Math.max(16, (height - (bottom - top) * READABLE) / 2) - top * READABLE, zoom: READABLE };
 }
 
 function allow(event: DragEvent): void {
@@ -209,20 +223,71 @@ function shiftOf(before: ReadonlyMap<string, Box>, now: ReadonlyMap<string, Box>
   return [to.x - anchor[1].x, to.y - anchor[1].y];
 }
 
-function flowNodes({ items }: FlowChart, dragged: { id: string; x: number; y: number } | null): Node[] {
-  return items.map(({ item, parent, box: { x, y, width, height }, ports }) => ({
+/** The start and the ends of a container that is open are on its border. */
+const ownerOf = (id: string, boxes: ReadonlyMap<string, Box>): string => (boxes.has(id) ? id : id.slice(0, id.indexOf("#")));
+
+interface Parts {
+  readonly items: readonly PlacedItem[];
+  readonly edges: readonly PlacedEdge[];
+}
+
+/**
+ * What of a chart is made of elements: all of a small one; of a large one what is in sight, with the edges that leave it
+ * there and what they lead to. The other edges are drawn as lines.
+ */
+function partsOf(chart: FlowChart, { inside, real, sketched }: Sight, dragged: string | null): Parts {
+  if (chart.items.length <= MANY) return chart;
+  const ids = new Set(sketched ? real : inside);
+  if (dragged !== null) ids.add(dragged);
+  const edges = sketched ? [] : chart.edges.filter((edge) => inside.has(ownerOf(edge.source, chart.boxes)));
+  for (const edge of edges) ids.add(ownerOf(edge.target, chart.boxes));
+  const known = new Map(chart.items.map((each) => [each.item.id, each]));
+  for (const id of sketched ? [] : [...ids]) for (let at = known.get(id)?.parent ?? null; at !== null; at = known.get(at)?.parent ?? null) ids.add(at);
+  return { items: chart.items.filter(({ item }) => ids.has(item.id)), edges };
+}
+
+/** The edges that touch an area and aren't elements, those that look alike as one path. */
+function strokesOf(chart: FlowChart, elements: ReadonlySet<PlacedEdge>, area: Area, sketched: boolean): Stroke[] {
+  const lines = new Map<string, string[]>();
+  for (const edge of elements.size === chart.edges.length ? [] : chart.edges) {
+    if (elements.has(edge) || !touches(edge.points, area)) continue;
+    const look = `${edge.meaning || "plain"} ${edge.derived ? "2 4" : ""}`;
+    const last = edge.points.at(-1) ?? { x: 0, y: 0 };
+    const head = sketched ? "" : `M${last.x - 5} ${last.y}l-9 -5v10z`;
+    const path = sketched ? `M${edge.points.map(({ x, y }) => `${x} ${y}`).join("L")}` : roundedToDot(edge.points) + head;
+    if (!lines.get(look)?.push(path)) lines.set(look, [path]);
+  }
+  return [...lines].map(([look, paths]) => {
+    const [meaning, ...dash] = look.trim().split(" ");
+    return { path: paths.join(""), color: `edge-${meaning}`, width: meaning === "success" ? 1.8 : 1.3, dash: dash.map(Number) };
+  });
+}
+
+function faceIn(items: ReadonlyMap<string, PlacedItem>, id: string): Face | undefined {
+  const placed = items.get(id);
+  if (placed === undefined) return undefined;
+  const { kind, node, outcome = "", meaning } = placed.item;
+  if (kind !== "node") return { name: outcome, shape: kind, meaning };
+  return { name: node?.name ?? "", shape: placed.ports !== null ? "open" : node?.kind === "leaf" ? "leaf" : "container" };
+}
+
+/** @param flat whether each stands by itself: where a chart is sketched, what is around a box isn't an element. */
+function flowNodes(items: readonly PlacedItem[], boxes: ReadonlyMap<string, Box>, dragged: { id: string; x: number; y: number } | null, flat: boolean): Node[] {
+  return items.map(({ item, parent, box, box: { width, height }, ports }) => ({
     id: item.id,
     type: item.kind,
-    position: dragged?.id === item.id ? { x: dragged.x, y: dragged.y } : { x, y },
+    position: pick(dragged?.id === item.id ? dragged : flat ? (boxes.get(item.id) ?? box) : box),
     data: { item, ports },
     width,
     height,
     measured: { width, height },
-    draggable: item.kind === "node",
-    handles: handlesOf({ item, ports, box: { x, y, width, height } }),
-    ...(parent === null ? {} : { parentId: parent }),
+    draggable: item.kind === "node" && !flat,
+    handles: handlesOf({ item, ports, box }),
+    ...(parent === null || flat ? {} : { parentId: parent }),
   }));
 }
+
+const pick = ({ x, y }: Point): Point => ({ x, y });
 
 function handlesOf({ item, ports, box: { width, height } }: Pick<PlacedItem, "item" | "ports" | "box">): NonNullable<Node["handles"]> {
   const dot = (type: "source" | "target", id: string, x: number, y: number) => ({ type, id, position: x > 0 ? Position.Right : Position.Left, x: x - 5, y: y - 5, width: 10, height: 10 });
@@ -233,10 +298,9 @@ function handlesOf({ item, ports, box: { width, height } }: Pick<PlacedItem, "it
   return [dot("target", "in", 0, entry), ...outcomes.map(([outcome, y]) => dot("source", outcome, width, y)), ...inside];
 }
 
-function flowEdges({ edges, boxes }: FlowChart, selected: string | null, dragged: string | null): Edge[] {
+function flowEdges({ boxes }: FlowChart, edges: readonly PlacedEdge[], selected: string | null, dragged: string | null): Edge[] {
   return edges.map((edge) => {
-    // The start and the ends of a container that is open are on its border.
-    const [begin, end] = [edge.source, edge.target].map((id) => (boxes.has(id) ? null : id.slice(0, id.indexOf("#"))));
+    const [begin, end] = [edge.source, edge.target].map((id) => (boxes.has(id) ? null : ownerOf(id, boxes)));
     return {
       id: edge.id,
       type: "line",

@@ -106,7 +106,7 @@ export function FlowEdgeLine(props: EdgeProps): JSX.Element {
   const words = data?.["words"] as Point | null;
   // While one of its ends is dragged it follows at once; it is laid out when that is dropped.
   const free = data?.["free"] === true;
-  const path = free ? getSmoothStepPath(props)[0] : rounded(toDot(points));
+  const path = free ? getSmoothStepPath(props)[0] : roundedToDot(points);
   const at = free ? { x: sourceX + 40, y: sourceY } : words;
   return (
     <>
@@ -132,11 +132,11 @@ function toDot(points: readonly Point[]): readonly Point[] {
 }
 
 /** Level and upright pieces with round corners. */
-function rounded(points: readonly Point[]): string {
-  const [first, ...rest] = points as [Point, ...Point[]];
+export function roundedToDot(points: readonly Point[]): string {
+  const [first, ...rest] = toDot(points) as [Point, ...Point[]];
   let path = `M ${first.x} ${first.y}`;
   for (const [i, point] of rest.entries()) {
-    const before = points[i] as Point;
+    const before = (rest[i - 1] ?? first) as Point;
     const after = rest[i + 1];
     const [a, b] = [Math.hypot(point.x - before.x, point.y - before.y), after ? Math.hypot(after.x - point.x, after.y - point.y) : 0];
     const r = Math.min(RADIUS, a / 2, b / 2);

@@ -46,6 +46,7 @@ export interface Shown {
   /** Of which container. */
   readonly key: string;
   readonly chart: FlowChart;
+  readonly scene: Scene;
 }
 
 /** The newest chart that is laid out: until a newer one is, the one before stays. */
@@ -55,7 +56,7 @@ export function useChart(scene: Scene, pins: Pins, key: string): Shown | null {
   useEffect(() => {
     const mine = ++newest.current;
     layouter.chart(scene, pins).then(
-      (chart) => mine === newest.current && setShown({ key, chart }),
+      (chart) => mine === newest.current && setShown({ key, chart, scene }),
       (error: unknown) => mine === newest.current && useRun.getState().setError(`The flow chart can't be laid out: ${error instanceof Error ? error.message : JSON.stringify(error)}`),
     );
   }, [scene, pins, key]);

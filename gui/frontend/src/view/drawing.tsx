@@ -1,0 +1,302 @@
+/** What the tree and the flow chart share: what is in sight, the zoom's buttons, the map; and the sketch that stands for boxes too small to be read. */
+import { ControlButton, Controls, Panel, type ReactFlowState, useReactFlow, useStore, type Viewport } from "@xyflow/react";
+import { type JSX, type PointerEvent, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
+
+import type { Box } from "../model/layout";
+import { type Area, areaInSight, extent, idsIn, MANY } from "../model/visibility";
+import { usePage } from "../store/page";
+import { useRun } from "../store/run";
+
+/** Below this zoom nodes show their names only, */
+const FAR = 0.45;
+/** below this nothing that could be read, */
+const NAMED = 0.3;
+/** and from this on what they are set to. */
+const NEAR = 1.5;
+
+export const isNear = (s: ReactFlowState): boolean => s.transform[2] >= NEAR;
+const isFar = (s: ReactFlowState): boolean => s.transform[2] < FAR;
+const areaOf = (s: ReactFlowState): Area => areaInSight(s.transform, s.width, s.height);
+const sameArea = (one: Area, other: Area): boolean => one.left === other.left && one.top === other.top && one.right === other.right && one.bottom === other.bottom;
+
+export interface Sight {
+  readonly area: Area;
+  /** What touches the area, in the order of the boxes. */
+  readonly inside: ReadonlySet<string>;
+  /** Whether that is so much, and so small, that it is drawn as a sketch, and only `real` are elements of the page. */
+  readonly sketched: boolean;
+  /** What is selected, and what something is dragged over: it can be dropped there. */
+  readonly real: ReadonlySet<string>;
+  /** What the style sheet has to know: elements over a sketch leave the pointer to it, so that a drag moves the drawing. */
+  readonly look: string;
+  /** What is sketched at a place of the screen. */
+  at(event: { clientX: number; clientY: number }): string | null;
+  /** Something is dragged here, or isn't any more. */
+  dragged(event: { clientX: number; clientY: number } | null): void;
+}
+
+export function useSight(boxes: ReadonlyMap<string, Box>): Sight {
+  const { screenToFlowPosition } = useReactFlow();
+  const { left, top, right, bottom } = useStore(areaOf, sameArea);
+  const area = useMemo(() => ({ left, top, right, bottom }), [left, top, right, bottom]);
+  const inside = useMemo(() => idsIn(area, boxes), [area, boxes]);
+  const sketched = useStore(isFar) && inside.size > MANY;
+  const selected = usePage((s) => s.selected);
+  const [pointed, setPointed] = useState<string | null>(null);
+  const real = useMemo(() => new Set([selected, pointed].filter((id) => id !== null && inside.has(id)) as string[]), [selected, pointed, inside]);
+  const at: Sight["at"] = ({ clientX, clientY }) => {
+    const { x, y } = screenToFlowPosition({ x: clientX, y: clientY });
+    let found: string | null = null;
+    for (const id of sketched ? inside : []) {
+      const box = boxes.get(id) as Box;
+      // The last one: what stands in a box comes after it.
+      if (x >= box.x && x <= box.x + box.width && y >= box.y && y <= box.y + box.height) found = id;
+    }
+    return found;
+  };
+  const look = !sketched ? "" : pointed === null ? "sketched" : "sketched over";
+  return { area, inside, sketched, real, look, at, dragged: (event) => setPointed(event && at(event)) };
+}
+
+/** Tells the style sheet how much nodes show. */
+export function Detail(): null {
+  const far = useStore(isFar);
+  const root = useStore((s) => s.domNode);
+  useEffect(() => {
+    root?.classList.toggle("far", far);
+  }, [root, far]);
+  return null;
+}
+
+/** Lines that look alike, as one path. */
+export interface Stroke {
+  readonly path: string;
+  /** A variable of the style sheet. */
+  readonly color: string;
+  readonly width: number;
+  readonly dash?: readonly number[];
+  readonly filled?: boolean;
+}
+
+/** How a box is sketched. */
+export interface Face {
+  readonly name: string;
+  readonly shape: "leaf" | "container" | "open" | "end" | "start";
+  /** Of an end. */
+  readonly meaning?: string | undefined;
+}
+
+interface SketchProps {
+  readonly sight: Sight;
+  readonly boxes: ReadonlyMap<string, Box>;
+  readonly strokes: readonly Stroke[];
+  readonly faceOf: (id: string) => Face | undefined;
+}
+
+/** So many dots has a sketch in a row or a column at most. */
+const MOST_DOTS = 4096;
+
+/**
+ * The lines, and where boxes are sketched those too, as one picture of the area. It moves with the drawing: it is made
+ * anew only when another area comes into sight, when the zoom changes, or what it shows.
+ */
+export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, faceOf }: SketchProps): JSX.Element {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const zoom = useStore((s) => s.transform[2]);
+  const phases = useRun((s) => (sketched ? s.moment.nodes : null));
+  const worst = useRun((s) => s.index.worst);
+  const version = useRun((s) => (sketched ? s.version : 0));
+  const marked = usePage((s) => (sketched ? s.marked : null));
+  const [theme, setTheme] = useState(0);
+  useEffect(() => {
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    const changed = (): void => setTheme((now) => now + 1);
+    dark.addEventListener("change", changed);
+    return () => dark.removeEventListener("change", changed);
+  }, []);
+  const [width, height] = [area.right - area.left, area.bottom - area.top];
+  useLayoutEffect(() => {
+    const pen = canvas.current?.getContext("2d");
+    if (!canvas.current || !pen || !(width > 0)) return;
+    const scale = Math.min(zoom * devicePixelRatio, MOST_DOTS / width, MOST_DOTS / height);
+    canvas.current.width = Math.ceil(width * scale);
+    canvas.current.height = Math.ceil(height * scale);
+    pen.setTransform(scale, 0, 0, scale, -area.left * scale, -area.top * scale);
+    const look = getComputedStyle(canvas.current);
+    const known = new Map<string, string>();
+    const color = (name: string): string => {
+      const value = known.get(name) ?? look.getPropertyValue(`--${name}`).trim();
+      known.set(name, value);
+      return value;
+    };
+    const line = 1 / zoom;
+    for (const stroke of sketched ? [] : strokes) draw(pen, stroke, color, 1);
+    if (!sketched) return;
+    const box = (id: string, fill: string, border: string, wide: number): void => {
+      const { x, y, width, height } = boxes.get(id) as Box;
+      pen.fillStyle = color(border);
+      pen.fillRect(x, y, width, height);
+      if (height * zoom < 4 * wide) return;
+      pen.fillStyle = color(fill);
+      pen.fillRect(x + wide * line, y + wide * line, width - 2 * wide * line, height - 2 * wide * line);
+    };
+    const faces = [...inside].map((id) => [id, faceOf(id), phases?.get(id)?.phase ?? "idle"] as const);
+    for (const [id, face] of faces) if (face?.shape === "open") box(id, "sunken", "line-strong", 1);
+    // From very far lines are many to a dot: they grow thin, and boxes stay in sight.
+    for (const stroke of strokes) draw(pen, stroke, color, line * Math.min(1, zoom / NAMED));
+    for (const [id, face, phase] of faces) {
+      if (face === undefined || face.shape === "open") continue;
+      const told = face.shape === "end" ? (face.meaning ?? "") : phase;
+      if (face.shape === "start") box(id, "text", "text", 1);
+      else if (told in PHASES) box(id, `${told}-soft`, told, 2);
+      else box(id, face.shape === "leaf" ? "surface" : "sunken", "line-strong", 1);
+      const { x, y, width, height } = boxes.get(id) as Box;
+      const fault = worst.get(id);
+      if (fault) {
+        const side = Math.min(6 * line, height / 2);
+        pen.fillStyle = color(fault === "error" ? "error" : "interrupted");
+        pen.fillRect(x + width - side, y, side, side);
+      }
+    }
+    pen.strokeStyle = color("accent");
+    pen.lineWidth = 2 * line;
+    for (const id of marked ?? []) {
+      const at = inside.has(id) ? boxes.get(id) : undefined;
+      if (at) pen.strokeRect(at.x - 3 * line, at.y - 3 * line, at.width + 6 * line, at.height + 6 * line);
+    }
+    if (zoom < NAMED) return;
+    pen.font = `600 22px ${look.fontFamily}`;
+    pen.textBaseline = "middle";
+    pen.fillStyle = color("text");
+    for (const [id, face] of faces) {
+      const { x, y, width, height } = boxes.get(id) as Box;
+      if (face) pen.fillText(cut(face.name, width - 44), x + 34, face.shape === "open" ? y + 24 : y + height / 2);
+    }
+  }, [area, boxes, faceOf, inside, marked, phases, sketched, strokes, theme, version, width, height, worst, zoom]);
+  return <canvas ref={canvas} className="sketch" aria-hidden="true" style={{ left: area.left, top: area.top, width, height }} />;
+}
+
+const PHASES = { running: 0, success: 0, failure: 0, interrupted: 0, error: 0 };
+
+/** @param line how wide a line of 1 is. */
+function draw(pen: CanvasRenderingContext2D, { path, color, width, dash = [], filled = false }: Stroke, colorOf: (name: string) => string, line: number): void {
+  const shape = new Path2D(path);
+  pen.strokeStyle = pen.fillStyle = colorOf(color);
+  pen.lineWidth = width * line;
+  pen.setLineDash(dash.map((each) => each * line));
+  if (filled) pen.fill(shape);
+  else pen.stroke(shape);
+  pen.setLineDash([]);
+}
+
+/** As many letters as there is room for, at 22 px. */
+function cut(text: string, room: number): string {
+  const most = Math.max(1, Math.floor(room / 12.5));
+  return text.length <= most ? text : `${text.slice(0, most - 1)}…`;
+}
+
+/** How far one can go away: until all of a drawing is in sight. */
+export function useLeastZoom(boxes: ReadonlyMap<string, Box>): number {
+  return useMemo(() => {
+    const { left, top, right, bottom } = extent(boxes.values());
+    return Math.max(0.0005, Math.min(0.1, 400 / (right - left), 250 / (bottom - top)));
+  }, [boxes]);
+}
+
+interface WholeProps {
+  readonly boxes: ReadonlyMap<string, Box>;
+  readonly begun: boolean;
+  /** Below this zoom the whole isn't shown at first: nobody could read it. */
+  readonly least: number;
+  /** What is shown in its place: the beginning. */
+  readonly begin: (all: Area, width: number, height: number) => Viewport;
+}
+
+/** The buttons for the zoom. Only what is in sight is known to the canvas, so that the whole is fitted by its extent. */
+export function Whole({ boxes, begun, least, begin }: WholeProps): JSX.Element {
+  const { setViewport } = useReactFlow();
+  const width = useStore((s) => s.width);
+  const height = useStore((s) => s.height);
+  const fitted = useRef(false);
+  const fit = (least: number): void => {
+    const all = extent(boxes.values());
+    const zoom = Math.min(1.1, (width * 0.92) / (all.right - all.left), (height * 0.92) / (all.bottom - all.top));
+    if (zoom < least) return void setViewport(begin(all, width, height));
+    void setViewport({ x: (width - (all.left + all.right) * zoom) / 2, y: (height - (all.top + all.bottom) * zoom) / 2, zoom });
+  };
+  useEffect(() => {
+    if (fitted.current || !begun || width === 0 || boxes.size === 0) return;
+    fitted.current = true;
+    fit(least);
+  });
+  return (
+    <Controls orientation="horizontal" showInteractive={false} showFitView={false}>
+      <ControlButton onClick={() => fit(0)} title="Fit View" aria-label="Fit View">
+        <svg viewBox="0 0 32 30" aria-hidden="true">
+          <path d="M3 9V3h7M22 3h7v6M29 21v6h-7M10 27H3v-6" fill="none" stroke="currentColor" strokeWidth="3" />
+        </svg>
+      </ControlButton>
+    </Controls>
+  );
+}
+
+const WIDTH = 140;
+const HEIGHT = 96;
+/** Beyond this many times as long as it is wide, a drawing is drawn shorter in the map. */
+const LONG = 4;
+
+/** The whole drawing in the corner, and what of it is in sight. A press goes there. One that is very long is drawn shorter. */
+export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.Element {
+  const { setCenter, getZoom } = useReactFlow();
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const { left, top, across, down } = useMemo(() => {
+    const all = extent(boxes.values());
+    const [wide, high] = [(all.right - all.left) / WIDTH, (all.bottom - all.top) / HEIGHT];
+    const most = Math.max(wide, high, 1);
+    const [across, down] = [wide, high].map((each) => (each > most / LONG ? most : Math.max(each, most / LONG / LONG))) as [number, number];
+    return { across, down, left: (all.left + all.right - WIDTH * across) / 2, top: (all.top + all.bottom - HEIGHT * down) / 2 };
+  }, [boxes]);
+  useLayoutEffect(() => {
+    const pen = canvas.current?.getContext("2d");
+    if (!canvas.current || !pen) return;
+    canvas.current.width = WIDTH * devicePixelRatio;
+    canvas.current.height = HEIGHT * devicePixelRatio;
+    pen.scale(devicePixelRatio, devicePixelRatio);
+    // What is open is seen through.
+    pen.fillStyle = "rgb(128 138 148 / 55%)";
+    for (const { x, y, width, height } of boxes.values()) pen.fillRect((x - left) / across, (y - top) / down, Math.max(0.7, width / across), Math.max(0.7, height / down));
+  }, [boxes, left, top, across, down]);
+  const go = (event: PointerEvent<SVGSVGElement>): void => {
+    if (event.buttons !== 1) return;
+    const frame = event.currentTarget.getBoundingClientRect();
+    void setCenter(left + (event.clientX - frame.left) * across, top + (event.clientY - frame.top) * down, { zoom: getZoom(), duration: 0 });
+  };
+  return (
+    <Panel position="bottom-right" className="map nopan nowheel">
+      <canvas ref={canvas} aria-hidden="true" />
+      <svg
+        width={WIDTH}
+        height={HEIGHT}
+        viewBox={`${left} ${top} ${WIDTH * across} ${HEIGHT * down}`}
+        preserveAspectRatio="none"
+        aria-hidden="true"
+        onPointerDown={(event) => {
+          event.currentTarget.setPointerCapture(event.pointerId);
+          go(event);
+        }}
+        onPointerMove={go}
+      >
+        <Frame across={across * 4} down={down * 4} />
+      </svg>
+    </Panel>
+  );
+}
+
+/** What is in sight; never so small that it can't be seen. */
+function Frame({ across, down }: { across: number; down: number }): JSX.Element {
+  const [x, y, zoom] = useStore((s) => s.transform);
+  const width = useStore((s) => s.width) / zoom;
+  const height = useStore((s) => s.height) / zoom;
+  const [wide, high] = [Math.max(width, across), Math.max(height, down)];
+  return <rect className="frame" x={-x / zoom - (wide - width) / 2} y={-y / zoom - (high - height) / 2} width={wide} height={high} vectorEffect="non-scaling-stroke" />;
+}
