@@ -7,7 +7,7 @@ import { chromium } from "playwright-core";
 
 const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
 /** How long the page may take for anything [ms]: enough for a machine that does much else. */
-export const PATIENCE = 120_000;
+export const PATIENCE = Number(process.env.PATIENCE ?? 120_000);
 
 /** Wait until `read()` gives what is wanted (a value, or a test of one), and return that; a busy machine shows everything later. */
 export async function eventually(read, wanted, told = "it never comes to that") {

@@ -1,6 +1,7 @@
-// Watching a run by touch on a small screen that asks for calm: pan, pinch, and STOP under the thumb.
+// Watching a run by touch on a small screen that asks for calm: pan, pinch, and STOP under the thumb; then on a phone.
 import assert from "node:assert/strict";
 
+import { check } from "./axe.mjs";
 import { eventually, onPage, url } from "./page.mjs";
 
 await onPage(
@@ -52,4 +53,27 @@ await onPage(
     if (process.env.PICTURE) await page.screenshot({ path: process.env.PICTURE });
   },
   { hasTouch: true, reducedMotion: "reduce" },
+);
+
+await onPage(
+  url,
+  async (page, { button, choose, nodeIs, runIs, runIsStopped }) => {
+    await choose("Task", "tasks/long.yaml");
+    await choose("Robot", "fake");
+    await button("Run").tap();
+    await runIs("running");
+    await nodeIs("one", "running");
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390, "nothing lies beside the screen");
+    // Wherever one has scrolled to, STOP is under the thumb, and nothing is over it.
+    for (const part of [page.getByRole("tree"), page.getByLabel("Events"), button("STOP")]) {
+      await part.first().scrollIntoViewIfNeeded();
+      const { x, y, width, height } = await button("STOP").boundingBox();
+      assert.ok(y + height <= 844 && y > 700 && width > 300 && height >= 48, JSON.stringify({ x, y, width, height }));
+      assert.equal(await page.evaluate(([x, y]) => document.elementFromPoint(x, y)?.textContent, [x + width / 2, y + height / 2]), "STOP");
+    }
+    await check(page, "on a phone");
+    await button("STOP").tap();
+    await runIsStopped();
+  },
+  { hasTouch: true, reducedMotion: "reduce", viewport: { width: 390, height: 844 } },
 );

@@ -205,6 +205,16 @@ def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:
 
 @pytest.mark.e2e
 @pytest.mark.slow
+def test_a_task_is_built_and_run_by_keys_and_by_ear_as_the_docs_say(folder: Path) -> None:
+    with editing(folder) as (_, url):
+        done = subprocess.run(browser("by_ear.mjs", url), capture_output=True, text=True, timeout=SCENARIO)
+        assert done.returncode == 0, done.stdout + done.stderr
+    docs = (Path(__file__).parents[2] / "docs" / "editor.md").read_text(encoding="utf-8")
+    assert done.stdout.strip() == docs.partition("```text\n")[2].partition("\n```")[0], done.stdout
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
 @pytest.mark.sim
 def test_a_newcomer_comes_from_an_empty_folder_to_a_hand_that_holds_something(tmp_path: Path) -> None:
     folder, robots = tmp_path / "empty", tmp_path / "robots"

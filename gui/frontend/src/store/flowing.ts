@@ -85,7 +85,7 @@ function meanings(around: NodeView, path: string, outcome: string, target: strin
     const { command } = wrapping(nodes(), [path], kind);
     ways.push({ value: kind, label: `${kindTitle(kind)}(${nameOf(path)})`, detail: `${nameOf(path)} runs again when it ends with ${failed ? "failure" : "success"}, as often as the ${kind} says`, command });
   }
-  const connected = group(`${around.name} as a state machine`, [withEdges(around), { do: "connect", path, outcome, target }]);
+  const connected = group(`${around.name} as a state machine`, [...withEdges(around), { do: "connect", path, outcome, target }]);
   ways.push({ value: "machine", label: `Make ${around.name} a state machine`, detail: `The order of its ${around.children.length} children becomes edges, and ${outcome} leads to ${target}`, command: connected });
   return ways;
 }
@@ -104,7 +104,7 @@ export async function disconnect(path: string, outcome: string, derived: boolean
     lead: `${around.name} is a ${kindTitle(around.kind)}; only the edges of a state machine can be removed one by one.`,
     options: [{ value: "machine", label: `Make ${around.name} a state machine`, detail: "Its order becomes edges, which can be changed" }],
   });
-  if (answer) await edit(withEdges(around));
+  if (answer) await edit(group(`${around.name} as a state machine`, withEdges(around)));
 }
 
 export async function beginWith(path: string): Promise<void> {

@@ -161,7 +161,10 @@ export async function changeKind(path = usePage.getState().selected): Promise<vo
   }
   const fitting = kinds().filter((face) => face.kind !== node.kind && face.holds === kindOf(node.kind)?.holds);
   const kind = await askChoice({ title: `Change the kind of ${node.name}`, label: "Kind", options: fitting.map(kindOption) });
-  if (kind !== null) await edit({ do: "change_kind", path, kind, fields: kindFields(kind, node) }, path, `now a ${kindTitle(kind)}`);
+  if (kind === null) return;
+  const toEdges = kindOf(kind)?.edges === true && !hasEdges(node);
+  const title = `change ${node.name} to a ${kindTitle(kind)}`;
+  await edit(toEdges ? group(title, withEdges(node, kind)) : { do: "change_kind", path, kind, fields: kindFields(kind, node) }, path, `now a ${kindTitle(kind)}`);
 }
 
 /** Settings that a node needs to be of another kind; it keeps its outcomes. */
@@ -170,10 +173,13 @@ export function kindFields(kind: string, node: NodeView): Record<string, unknown
   return fields;
 }
 
-/** Make a container one whose edges say who is next. */
-export function withEdges(around: NodeView): Command {
-  const kind = edgedKind();
-  return { do: "change_kind", path: around.path, kind, fields: kindFields(kind, around) };
+/** Make a container one whose edges say who is next: its order becomes edges, but for outcomes that a child hasn't. */
+export function withEdges(around: NodeView, kind = edgedKind()): Command[] {
+  const lacks = around.children.flatMap((path) => {
+    const outcomes = nodes().get(path)?.outcomes ?? {};
+    return Object.keys(outcomes).length === 0 ? [] : ["success", "failure"].filter((each) => !(each in outcomes)).map((outcome) => ({ do: "disconnect", path, outcome }));
+  });
+  return [{ do: "change_kind", path: around.path, kind, fields: kindFields(kind, around) }, ...lacks];
 }
 
 /** Move the selected nodes among their siblings, or out of and into containers. */

@@ -1,7 +1,9 @@
 /** Below the views: problems, the run, the history of edits; one at a time. */
-import { type JSX, type KeyboardEvent, useEffect, useRef } from "react";
+import { type JSX, type KeyboardEvent, useEffect, useRef, useState } from "react";
 
+import { nameOf } from "../model/commands";
 import { historyRows } from "../model/history";
+import { runningLeaf } from "../model/status";
 import { eventText, seconds } from "../model/words";
 import { useDocument } from "../store/document";
 import { goTo } from "../store/editing";
@@ -53,7 +55,10 @@ export function Foot(): JSX.Element {
             </button>
           ))}
         </div>
-        {foot === "problems" && problems === 0 && <span className="hint none">No problems.</span>}
+        <output className={foot === "problems" && problems === 0 ? "hint none" : "hidden"} aria-label="Problems">
+          {problems === 0 ? "No problems." : `${problems} ${problems === 1 ? "problem" : "problems"}`}
+        </output>
+        <WorksNow />
         <output className="said" aria-live="polite" aria-label="What was done" title={said}>
           {said}
         </output>
@@ -73,6 +78,24 @@ export function Foot(): JSX.Element {
         {foot === "history" && !hidden && <HistoryPanel />}
       </div>
     </footer>
+  );
+}
+
+/** A leaf that works for less time than this isn't told of [ms]: words would come faster than they can be heard. */
+const HEARD = 700;
+
+/** For those who don't see the drawing: which leaf works. */
+function WorksNow(): JSX.Element {
+  const leaf = useRun((s) => (s.record === null || s.complete || s.cursor !== null ? null : runningLeaf(s.index, s.moment)));
+  const [told, setTold] = useState<string | null>(null);
+  useEffect(() => {
+    const timer = setTimeout(() => setTold(leaf), HEARD);
+    return () => clearTimeout(timer);
+  }, [leaf]);
+  return (
+    <output className="hidden" aria-label="What works now">
+      {told !== null && `${nameOf(told)} works`}
+    </output>
   );
 }
 

@@ -15,8 +15,8 @@ export function HoldMark({ path }: { path: string }): JSX.Element | null {
   const words = [held && "the run holds here", point && `breakpoint ${point.when}${point.outcome ? ` ${point.outcome}` : ""}${point.condition ? ` if ${point.condition}` : ""}`].filter(Boolean).join("; ");
   return (
     <span className={`hold-mark${held ? " held" : ""}`} title={words}>
-      {held ? "▶" : "●"}
-      <span className="hidden">{words}</span>
+      <span aria-hidden="true">{held ? "▶" : "●"}</span>
+      <span className="hidden">{words},</span>
     </span>
   );
 }
@@ -26,8 +26,8 @@ export function ProblemMark({ path }: { path: string }): JSX.Element | null {
   if (!worst) return null;
   return (
     <span className={`problem-mark ${worst}`} title={worst === "error" ? "has an error" : "has a warning"}>
-      {worst === "error" ? "✗" : "!"}
-      <span className="hidden">{worst}</span>
+      <span aria-hidden="true">{worst === "error" ? "✗" : "!"}</span>
+      <span className="hidden">{worst},</span>
     </span>
   );
 }
