@@ -61,6 +61,10 @@ await onPage(
     await choose("Task", "tasks/long.yaml");
     await choose("Robot", "fake");
     await button("Run").tap();
+    // The page of before keeps control for some seconds.
+    const over = page.getByRole("dialog").getByRole("button", { name: /^Take over control/ });
+    await over.or(page.getByRole("treeitem", { name: /^one .*running$/ })).first().waitFor();
+    if (await over.isVisible()) await over.tap();
     await runIs("running");
     await nodeIs("one", "running");
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390, "nothing lies beside the screen");
