@@ -4,7 +4,7 @@ import { describe, expect, it } from "vitest";
 import { endId, flowOf, START } from "../src/model/flow";
 import { chartedIn, type FlowChart, isCharted, pinAt } from "../src/model/flowChart";
 import type { Box } from "../src/model/layout";
-import { readingOrder } from "../src/model/readingOrder";
+import { readingOrder } from "../src/model/flow";
 import { TaskIndex } from "../src/model/status";
 import type { NodeView } from "../src/protocol/generated";
 import { drawn, keptTask, lay, measured, sceneIn, TEN } from "./charts";

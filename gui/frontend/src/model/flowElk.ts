@@ -1,9 +1,8 @@
 /** The chart of one container as a graph for ELK's layered layout, and its answer as boxes and lines. */
 import type { ElkExtendedEdge, ElkLabel, ElkNode, ElkPort } from "elkjs/lib/elk-api";
 
-import { FLOW_HEAD, type Flow, type FlowEdge, type FlowItem, LEAD, PORT_HEIGHT, textWidth } from "./flow";
+import { FLOW_HEAD, type Flow, type FlowEdge, type FlowItem, LEAD, PORT_HEIGHT, readingOrder, textWidth } from "./flow";
 import type { Box, Point } from "./layout";
-import { readingOrder } from "./readingOrder";
 
 /** Lays out a graph: in the page in a worker, in tests here. */
 export type Lay = (graph: ElkNode) => Promise<ElkNode>;

@@ -1,9 +1,8 @@
 /** A chart with more nodes than a layered layout can take: rows in reading order, edges in the lanes between them. */
-import { type Flow, type FlowItem, LEAD, PORT_HEIGHT } from "./flow";
+import { type Flow, type FlowItem, LEAD, PORT_HEIGHT, readingOrder } from "./flow";
 import { labelWidth, type Level, type Line, OPEN_TOP } from "./flowElk";
 import { tidied } from "./flowRoute";
 import type { Box, Point } from "./layout";
-import { readingOrder } from "./readingOrder";
 
 /** Lanes between rows and columns: edges to one target share one. */
 const LANES = 6;
