@@ -207,7 +207,9 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         return stand_in(f"the folder of {name}") if found is None else str(found)
 
     def smach_ros(module: ModuleType) -> None:
-        real.use(Ros(stand_in))
+        port: Any = Ros(stand_in)
+        port.name_of = lambda name, node: name  # which may be a stand-in
+        real.use(port)
         for name in (*FIXED_OUTCOMES, "RosState"):
             setattr(module, name, getattr(real, name))
 

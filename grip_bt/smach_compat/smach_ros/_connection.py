@@ -109,7 +109,8 @@ def with_optional_node(init: Callable[..., None]) -> Callable[..., None]:
     @functools.wraps(init)
     def taking(self: Any, *args: Any, **kwargs: Any) -> None:
         node = kwargs.pop("node", None)
-        if args and is_node(args[0]):
+        named = bool(args) and stands_in(args[0]) and isinstance([*args, str][1], type)  # unknown, and before a type
+        if args and is_node(args[0]) and not named:
             node, *args = args  # type: ignore[assignment]
         self._node = node
         init(self, *args, **kwargs)

@@ -22,13 +22,19 @@ class Gate(smach.State):
         return self.inner.execute()
 """
 FILLED_LATER = """
+import smach_ros
+from robot_msgs.srv import Ask
+
+
 class Pick(smach.StateMachine):
     def __init__(self):
         smach.StateMachine.__init__(self, outcomes=['done'])
 
     def define_for(self, robot):
         with self:
-            smach.StateMachine.add('A', Step(robot.name))
+            smach.StateMachine.add('A', Step(robot.name), {'done': 'B'})
+            ask = smach_ros.ServiceState(robot.url + 'ask', Ask, request_slots=['x'])
+            smach.StateMachine.add('B', ask, dict.fromkeys(['succeeded', 'aborted', 'preempted'], 'done'))
         return self
 """
 KIND = """
