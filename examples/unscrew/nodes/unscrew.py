@@ -105,7 +105,7 @@ async def ratchet(
 
 @grip.leaf("unscrew/pull", outputs={"pull": float}, codes=("no_ik", "no_plan", "path_invalid", "aborted", "no_data"))
 async def pull(
-    context: grip.Context, *, hand: str, arm: str, radius: float = 0.02, rise: float = 0.004, enough: float = 1.0
+    context: grip.Context, *, hand: str, arm: str, radius: float = 0.02, rise: float = 0.004, enough: float = 10.0
 ) -> float:
     """Take the cap, go up a little, and return how much more the wrist bears in z: its weight, or the thread's pull.
 
