@@ -129,9 +129,9 @@ async def _go(context: grip.Context, hand: str, tips: dict[str, list[float]], se
     return await fingers.move(posture, seconds=seconds)
 
 
-@grip.leaf("unscrew/hold", outcomes={"failure": "failure"}, codes=("slipped", "no_contact", "lost_contact"))
+@grip.leaf("unscrew/hold", outcomes={"failure": "failure"}, codes=("no_contact", "lost_contact"))
 class Hold(grip.AsyncLeaf):
-    """Hold with a force until interrupted, with half as much again whenever something slips.
+    """Hold with a force until interrupted, with half as much again whenever something slips, up to `most`.
 
     The hand regulates its force by itself; this looks after it.
     """
@@ -146,9 +146,7 @@ class Hold(grip.AsyncLeaf):
         gripper, force = self.context.hand(self.hand), self.force
         await gripper.close(force=force)
         while gripper.contacts():
-            if max(gripper.slips().values(), default=0.0) > self.slip:
-                if force >= self.most:
-                    return grip.End("failure", code="slipped", message=f"in spite of {force:.0f} N")
+            if force < self.most and max(gripper.slips().values(), default=0.0) > self.slip:
                 force = min(1.5 * force, self.most)
                 await gripper.close(force=force)
             self.tell(f"{force:.0f} N")
