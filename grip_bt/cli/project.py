@@ -78,6 +78,7 @@ def add_edit(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--execute", action="store_true", help="run that code to draw its tree, if you trust it")
     parser.add_argument("--port", type=int, default=0, help="port on this machine (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    parser.add_argument("--study", metavar="CSV", type=Path, help="add up there how long what had the focus [s]")
     add_no_code(parser)
 
 
@@ -92,7 +93,7 @@ def run_edit(args: argparse.Namespace) -> int:
         raise DocumentError("does not exist; give a project folder or a task file", str(args.path))
     on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that
     task = args.path if args.path.is_file() and args.path.name != "grip.yaml" else None
-    return serve(args.path, task=task, port=args.port, open_browser=not args.no_browser)
+    return serve(args.path, task=task, port=args.port, open_browser=not args.no_browser, study=args.study)
 
 
 def _drawn(where: str) -> Path:

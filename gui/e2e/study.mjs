@@ -1,14 +1,20 @@
 // The user study's tasks from an empty project, as a person goes through them: what they do is counted, and how long the page takes for it.
-// study.mjs URL FOLDER LAB TASK, where LAB is what tests/gui/study_world.py wrote; STUDY_OUT is where pictures and the transcript go.
+// study.mjs URL FOLDER TASKS; beside the folder lies `lab`, which tests/gui/study_world.py wrote; STUDY_OUT is where pictures and transcripts go.
 import assert from "node:assert/strict";
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { appendFileSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { check } from "./axe.mjs";
 import { eventually, onPage, rest, url } from "./page.mjs";
 
-const [folder, lab, wanted] = rest;
+const [folder, wanted] = rest;
 const out = process.env.STUDY_OUT;
+const TITLES = {
+  1: "a UR5 by its MoveIt package, between two recorded joint states",
+  2: "TRAC-IK and BiTRRT, and the motion again",
+  3: "a Shadow hand on a UR10 by a launch file, pick and place through recorded positions",
+  4: "a Kinect 2 and a grasp algorithm from its own repository",
+};
 const BUDGETS = { 1: 12, 2: 6, 3: 35, 4: 40 };
 const file = (path) => readFileSync(join(folder, path), "utf8");
 
@@ -50,10 +56,17 @@ function person(page, task) {
       const budget = BUDGETS[task];
       const walk = { task, actions, budget, page_seconds: waited / 1000, seconds: (performance.now() - begun) / 1000, steps };
       console.log(JSON.stringify({ ...walk, steps: undefined }));
-      if (out) writeFileSync(join(out, `task${task}.json`), JSON.stringify(walk, null, 1));
+      if (out) writeFileSync(join(out, `task${task}.md`), transcript(walk));
       assert.ok(actions <= budget, `task ${task}: ${actions} actions, of ${budget}`);
     },
   };
+}
+
+/** What was done, as a section of docs/study.md. */
+function transcript({ task, actions, budget, page_seconds, steps }) {
+  let number = 0;
+  const lines = steps.map((step) => (step.picture ? `\n![${step.words}](pictures/study/${step.picture})\n` : `${++number}. ${step.words} (${step.seconds.toFixed(1)} s)`));
+  return `## Task ${task}: ${TITLES[task]}\n\n**${actions} actions** of ${budget}; ${page_seconds.toFixed(0)} s of page, server and robot.\n\n${lines.join("\n").replace(/\n{3,}/g, "\n\n")}\n`;
 }
 
 /** A picture as WebP of at most 60 kB, made in a page of its own. */
@@ -103,6 +116,15 @@ async function takeRobot(page, me, words, steps, last) {
 async function ranAgain(page, { runIs }) {
   await page.getByLabel("State of the run").getByText("success: success", { exact: true }).waitFor({ state: "detached" });
   await runIs("success: success");
+}
+
+/** Have the simulator's referee contradict a success of a task that hasn't placed what there is. */
+function judged(task) {
+  appendFileSync(join(folder, "grip.yaml"), `goals: {${task}: placed == objects}\n`);
+}
+
+async function agreed(page) {
+  assert.equal(await page.getByText(/referee disagrees/).count(), 0, "what was told to be placed is placed");
 }
 
 /** Where a frame's z points, and its roll, pitch and yaw, of a quaternion w x y z. */
@@ -186,8 +208,75 @@ const walks = {
     await me.see("world", "The tray, put there by mouse.");
     await me.key("press Ctrl+S", "Control+s", () => words.fileIs("saved"));
     await me.press("press Tasks", button("Tasks"), () => button("Run").waitFor());
+    judged("through");
     await me.press("press Run", button("Run"), () => words.runIs("success: success"));
+    await agreed(page);
     await me.see("ran", "The can stands in the tray.");
+    me.done();
+  },
+  /** A Kinect 2 by its topics, a grasp algorithm by its repository; a block that somebody has moved is found, taken and placed. */
+  async 4(page, words) {
+    const me = person(page, 4);
+    const { button, nodeIs, pick } = words;
+    const pressNamed = (name, until) => me.press(`press ${name}`, page.getByRole("button", { name: new RegExp(`^${name}`) }).first(), until);
+    await me.press("press Take a robot", door(page, "Take a robot"), () => page.getByLabel("Search the robots").waitFor());
+    await me.press("choose panda", page.getByRole("list", { name: "Ready-made robots" }).getByRole("button", { name: "panda The", exact: false }), () => page.getByRole("application").waitFor());
+    await me.press("press Take", page.locator(".start-take").getByRole("button"), () => page.getByRole("heading", { name: "The project is there" }).waitFor());
+    // The camera: what it publishes is picked from what is there, and looked at.
+    await me.press("press Project", button("Project"), () => page.getByRole("button", { name: /^Topics/ }).waitFor());
+    await pressNamed("Topics", async () => page.getByRole("list", { name: "Topics" }).getByText("/kinect2/qhd/image_color_rect").waitFor());
+    await pressNamed("/kinect2/qhd/image_color_rect", () => button("Put the camera into grip.yaml").waitFor());
+    await me.press("press Receive one message", button("Receive one message"), () => page.getByRole("status", { name: "Received message" }).getByRole("img").waitFor());
+    await me.see("kinect", "The camera's picture, and its three topics.");
+    await me.press("press Put the camera into grip.yaml", button("Put the camera into grip.yaml"), () => page.getByRole("group", { name: "sensors kinect2" }).waitFor());
+    await me.key("press Ctrl+S", "Control+s", () => words.fileIs("saved"));
+    // The algorithm: its service is found in its repository, with what serves it.
+    await pressNamed("New component", () => button("In its repository ...").waitFor());
+    await me.press("press In its repository ...", button("In its repository ..."), () => page.getByRole("navigation", { name: "Folder" }).waitFor());
+    const into = (step) => me.press(`open ${step}`, page.getByRole("listitem").getByRole("button", { name: new RegExp(`^${step}( ROS package)?$`) }), () => page.locator("[aria-current=location]").getByText(step, { exact: true }).waitFor());
+    await me.press("go up", page.getByRole("button", { name: ".. (one folder up)" }), () => page.getByRole("listitem").getByRole("button", { name: /^lab$/ }).waitFor());
+    for (const step of ["lab", "planar_grasps", "srv"]) await into(step);
+    await me.press("choose PlanGrasp.srv", button("PlanGrasp.srv"), () => page.getByText("grasp_server.py").waitFor());
+    await check(page, "a component from its repository");
+    await me.see("component", "The service, and what serves it.");
+    await me.press("press Generate", button("Generate"), () => page.getByRole("main", { name: "Component", exact: true }).waitFor());
+    await me.press("press Try it", button("Try it"), () => page.getByLabel("Output of the command").waitFor());
+    await me.see("tried", "The component has been started, and has answered.");
+    const node = `component/${/name: (\S+)/.exec(await page.locator(".edit-bar code").textContent().then((path) => file(path)))[1]}`;
+    // The task: it looks with the Kinect, asks the algorithm where to grasp, and places the block.
+    await me.press("press Tasks", button("Tasks"), () => button("Open the first task").waitFor());
+    await me.press("press Open the first task", button("Open the first task"), () => nodeIs("held", "not started"));
+    const dialog = page.getByRole("dialog").locator("input");
+    const closed = () => page.getByRole("dialog").waitFor({ state: "detached" });
+    await me.act("select look", () => pick("look"));
+    await me.press("press Change", page.getByRole("button", { name: "Change", exact: true }), () => dialog.waitFor());
+    await me.fill("type sensor/kinect2", dialog, "sensor/kinect2", closed);
+    const add = async (after, what) => {
+      await me.act(`select ${after}`, () => pick(after));
+      await me.key("press /", "/", () => dialog.waitFor());
+      await me.fill(`type ${what}`, dialog, what, closed);
+    };
+    await add("obstacles", node);
+    await me.choose("its best_grasp goes to `place`", page.getByRole("combobox", { name: /^best_grasp/ }), "place");
+    await add("held", "arm/place");
+    await me.fill("target: tray", page.getByLabel(/^target/).first(), "tray");
+    await me.see("task", "The algorithm's grasp is where the hand goes.");
+    await me.press("press Project", button("Project"), () => page.getByRole("button", { name: /^World bench/ }).waitFor());
+    await me.press("press World bench", page.getByRole("button", { name: /^World bench/ }), () => page.getByRole("group", { name: "The world from above" }).waitFor());
+    await me.choose("insert a region to place into", page.getByLabel("Insert a template"), "a region to place into", () => page.getByRole("button", { name: /^tray at/ }).waitFor());
+    const block = await page.getByRole("button", { name: /^block at/ }).boundingBox();
+    await me.act("drag the block elsewhere", async () => {
+      await page.mouse.move(block.x + block.width / 2, block.y + block.height / 2);
+      await page.mouse.down();
+      await page.mouse.move(block.x + block.width / 2 + 30, block.y + block.height / 2 - 25, { steps: 5 });
+      await page.mouse.up();
+    }, () => eventually(() => page.getByRole("button", { name: /^block at/ }).getAttribute("aria-label"), (label) => !label.startsWith("block at 0.45, 0.10")));
+    await me.key("press Ctrl+S", "Control+s", () => words.fileIs("saved"));
+    await me.press("press Tasks", button("Tasks"), () => button("Run").waitFor());
+    judged("take");
+    await me.press("press Run", button("Run"), () => words.runIs("success: success"));
+    await agreed(page);
+    await me.see("ran", "The block lies in the tray.");
     me.done();
   },
   /** Other kinematics, another planner, and the motion again. */

@@ -34,6 +34,7 @@ from grip_gui.runs.routes import make_router
 from grip_gui.runs.run_control import BusyError, Launch, RunControl, start_run
 from grip_gui.security import HOST, Gate, listen
 from grip_gui.setup.routes import make_setup_router
+from grip_gui.study import make_study_router
 from grip_gui.wire.runs import RunOptions
 from grip_gui.wire.task import ErrorBody
 
@@ -62,6 +63,7 @@ def create_app(
     task: str | None = None,
     autostart: RunOptions | None = None,
     show_run: str | None = None,
+    study: Path | None = None,
 ) -> FastAPI:
     """Return the server of one project.
 
@@ -73,6 +75,7 @@ def create_app(
         task: the task that the page opens first, relative to the folder.
         autostart: run `task` with these options as soon as the server is up.
         show_run: the run that the page shows first.
+        study: CSV file for how long each part of the page has the focus; None to measure nothing.
 
     Raises:
         GripError: that run, the folder or the task isn't there, or the page wasn't built.
@@ -105,6 +108,7 @@ def create_app(
     app.include_router(make_setup_router(folder, runner, runs, desk.notify))
     app.include_router(make_live_router(folder, runner, window, lambda: desk.run_under_way))
     app.include_router(make_router(folder, desk, runs, task, edits))
+    app.include_router(make_study_router(study and study.resolve()))
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
 
@@ -137,12 +141,13 @@ def serve(
     open_browser: bool = True,
     show_run: str | None = None,
     journal: Path | None = None,
+    study: Path | None = None,
 ) -> int:
     """Serve a project's editor until Ctrl-C; afterwards no process of it is left. Return the exit status.
 
     Args:
         project: a project folder, or anything in it.
-        task: the task file to open first; for `autostart` and `show_run` see `create_app`.
+        task: the task file to open first; for `autostart`, `show_run` and `study` see `create_app`.
         port: 0 takes the one from before, where that is free, else any.
         open_browser: open the page when there is a display. The address is printed in any case.
         journal: where runs are read; None for the project's own.
@@ -155,7 +160,9 @@ def serve(
     source = JournalRuns(journal, folder) if journal is not None else None
     listener, token = listen(ProjectFolder(folder).journal.with_name("editor.json"), port)
     with listener:
-        app = create_app(folder, token=token, task=name, autostart=autostart, source=source, show_run=show_run)
+        app = create_app(
+            folder, token=token, task=name, autostart=autostart, source=source, show_run=show_run, study=study
+        )
         url = f"http://{HOST}:{listener.getsockname()[1]}/?" + urlencode({"token": token})
         print(f"GRIP editor of {folder}\n  {url}\nCtrl-C ends it.", flush=True)  # noqa: T201 - this is for the person
         if open_browser and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):

@@ -53,7 +53,15 @@ import rclpy
 from planar_grasps.srv import PlanGrasp
 from planner import plan
 from rclpy.node import Node
-from sensor_msgs_py import point_cloud2
+
+
+def points_of(cloud):
+    at = {field.name: field.offset for field in cloud.fields}
+    if not cloud.data:
+        return np.zeros((0, 3))
+    rows = np.frombuffer(cloud.data, np.uint8).reshape(-1, cloud.point_step)
+    points = np.hstack([rows[:, at[axis] : at[axis] + 4].copy().view("<f4") for axis in "xyz"]).astype(float)
+    return points[np.isfinite(points).all(axis=1)]
 
 
 class GraspServer(Node):
@@ -62,9 +70,7 @@ class GraspServer(Node):
         self.create_service(PlanGrasp, "/planar_grasps/plan", self.answer)
 
     def answer(self, request, response):
-        cloud = point_cloud2.read_points(request.cloud, field_names=["x", "y", "z"], skip_nans=True)
-        points = np.column_stack([cloud[name] for name in "xyz"]).astype(float)
-        found = plan(points)
+        found = plan(points_of(request.cloud))
         response.success = found is not None
         if found is not None:
             position, yaw, width = found
@@ -87,71 +93,71 @@ if __name__ == "__main__":
     main()
 '''
 PLANNER = '''\
-"""Planar grasps of the nearest thing above a flat ground, by its principal axes."""
+"""Planar grasps of the highest thing on a flat ground: across it, where it is narrowest."""
 
 import numpy as np
 
-GROUND = 0.012  # what is lower belongs to the ground [m]
-FINGER = 0.02  # how far the tips reach below the top [m]
+GROUND, CEILING = 0.012, 0.2  # what is lower or higher is no thing [m]
+DEPTH = 0.02  # how far the tips reach below the top [m]
 
 
 def plan(points):
     """Return (position, yaw, width) [m, rad, m] of the best grasp, or None.
 
-    `points` has shape (n, 3) in a frame whose z is up.
+    `points` has shape (n, 3) in a frame whose z is up; the fingers close along the y of the grasp.
     """
-    things = points[points[:, 2] > GROUND]
+    things = points[(points[:, 2] > GROUND) & (points[:, 2] < CEILING)]
     if len(things) < 20:
         return None
-    seed = things[np.argmax(things[:, 2])]
-    thing = things[np.linalg.norm(things[:, :2] - seed[:2], axis=1) < 0.12]
-    middle = (thing[:, :2].min(axis=0) + thing[:, :2].max(axis=0)) / 2
-    _, axes = np.linalg.eigh(np.cov((thing[:, :2] - middle).T))
-    across = axes[:, 0]
-    spread = (thing[:, :2] - middle) @ across
-    top = thing[:, 2].max()
-    return (*middle, max(top - FINGER, 0.015)), np.arctan2(across[1], across[0]), np.ptp(spread)
+    top = things[np.argmax(things[:, 2])]
+    thing = things[np.linalg.norm(things[:, :2] - top[:2], axis=1) < 0.1]
+    best = None
+    for yaw in np.arange(0, np.pi, np.pi / 36):
+        along, across = (thing[:, :2] @ axis for axis in ((np.cos(yaw), np.sin(yaw)), (-np.sin(yaw), np.cos(yaw))))
+        if best is None or np.ptp(across) < best[1]:
+            middle = (along.min() + along.max()) / 2, (across.min() + across.max()) / 2
+            best = yaw, np.ptp(across), middle
+    yaw, width, (a, b) = best
+    x, y = a * np.cos(yaw) - b * np.sin(yaw), a * np.sin(yaw) + b * np.cos(yaw)
+    return (x, y, max(top[2] - DEPTH, 0.02)), yaw, width
 '''
 KINECT = '''\
-"""Publishes what a Kinect 2 publishes: a grey wall."""
+"""Publishes what a Kinect 2 publishes, until it is ended: a wall 1.3 m away."""
+
+import time
 
 import numpy as np
-import rclpy
-from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Image
 
-WIDTH, HEIGHT, FOCAL = 960, 540, 540.0
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.client.types import load_type
 
-
-class Kinect(Node):
-    def __init__(self):
-        super().__init__("kinect2")
-        at = "/kinect2/qhd/"
-        self.image = self.create_publisher(Image, at + "image_color_rect", 1)
-        self.depth = self.create_publisher(Image, at + "image_depth_rect", 1)
-        self.info = self.create_publisher(CameraInfo, at + "camera_info", 1)
-        self.create_timer(0.5, self.shoot)
-
-    def shoot(self):
-        stamp = self.get_clock().now().to_msg()
-        shade = np.tile(np.linspace(40, 220, WIDTH, dtype=np.uint8), (HEIGHT, 1))
-        for publisher, encoding, pixels in (
-            (self.image, "rgb8", np.stack([shade] * 3, axis=-1)),
-            (self.depth, "16UC1", np.full((HEIGHT, WIDTH), 1300, np.uint16)),
-        ):
-            message = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=pixels.nbytes // HEIGHT)
-            message.header.stamp, message.header.frame_id = stamp, "kinect2_rgb_optical_frame"
-            message.data = pixels.tobytes()
-            publisher.publish(message)
-        info = CameraInfo(height=HEIGHT, width=WIDTH, distortion_model="plumb_bob", d=[0.0] * 5)
-        info.k = [FOCAL, 0.0, WIDTH / 2, 0.0, FOCAL, HEIGHT / 2, 0.0, 0.0, 1.0]
-        info.p = [FOCAL, 0.0, WIDTH / 2, 0.0, 0.0, FOCAL, HEIGHT / 2, 0.0, 0.0, 0.0, 1.0, 0.0]
-        info.header.stamp, info.header.frame_id = stamp, "kinect2_rgb_optical_frame"
-        self.info.publish(info)
+WIDTH, HEIGHT, FOCAL = 480, 270, 270.0
+FRAME = "kinect2_rgb_optical_frame"
+shade = np.tile(np.linspace(40, 220, WIDTH, dtype=np.uint8), (HEIGHT, 1))
+Image, CameraInfo = load_type("sensor_msgs/msg/Image"), load_type("sensor_msgs/msg/CameraInfo")
 
 
-rclpy.init()
-rclpy.spin(Kinect())
+def picture(encoding, pixels):
+    message = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=pixels.nbytes // HEIGHT)
+    message.header.frame_id, message.data = FRAME, pixels.tobytes()
+    return message
+
+
+info = CameraInfo(height=HEIGHT, width=WIDTH, distortion_model="plumb_bob", d=[0.0] * 5)
+info.header.frame_id = FRAME
+info.k = [FOCAL, 0.0, WIDTH / 2, 0.0, FOCAL, HEIGHT / 2, 0.0, 0.0, 1.0]
+info.p = [FOCAL, 0.0, WIDTH / 2, 0.0, 0.0, FOCAL, HEIGHT / 2, 0.0, 0.0, 0.0, 1.0, 0.0]
+told = {
+    "image_color_rect": ("Image", picture("rgb8", np.stack([shade] * 3, axis=-1))),
+    "image_depth_rect": ("Image", picture("16UC1", np.full((HEIGHT, WIDTH), 1300, np.uint16))),
+    "camera_info": ("CameraInfo", info),
+}
+with Bus("kinect2") as bus:
+    writers = {name: bus.writer(f"sensor_msgs/msg/{kind}", f"/kinect2/qhd/{name}") for name, (kind, _) in told.items()}
+    while True:
+        for name, (_, message) in told.items():
+            writers[name].publish(message)
+        time.sleep(0.5)
 '''
 
 

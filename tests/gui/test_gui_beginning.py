@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from played import TestClient
+from played import BASE, PlayedLauncher, TestClient
+
+from grip_gui.server import create_app
 
 URDF = """\
 <robot name="small">
@@ -125,3 +127,20 @@ def test_a_task_is_brought_from_where_it_lies(page: TestClient, project: Path, t
     for path in ("../tree.xml", str(tmp_path / "none.xml"), "\0"):
         assert page.post("/api/setup/import", json={"source": "btcpp", "path": path}).status_code == 404
     assert not (project / "legacy").exists()
+
+
+def test_a_study_adds_up_what_had_the_focus_and_nothing_is_kept_without_one(
+    page: TestClient, project: Path, tmp_path: Path
+) -> None:
+    rows = tmp_path / "out.csv"
+    app = create_app(project, PlayedLauncher(), token="right", study=rows)
+    with TestClient(app, base_url=BASE, headers={"origin": BASE}) as studied:
+        studied.get("/?token=right")
+        for window, seconds in (("configure", 0), ("configure", 4.25), ("away", 2)):
+            span = {"window": window, "seconds": seconds, "page": "one"}
+            assert studied.post("/api/study", json=span).json() is True
+    assert page.post("/api/study", json={"window": "run", "seconds": 1}).json() is False
+    assert [row.split(",")[1:] for row in rows.read_text().splitlines()] == [
+        ["one", "configure", "4.2"],
+        ["one", "away", "2.0"],
+    ]

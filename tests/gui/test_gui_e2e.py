@@ -15,6 +15,7 @@ from pathlib import Path
 from urllib.request import HTTPCookieProcessor, Request, build_opener
 
 import pytest
+from study_world import write_world
 
 E2E = Path(__file__).parents[2] / "gui" / "e2e"
 SCENARIO = 1800.0
@@ -225,6 +226,30 @@ def test_a_newcomer_comes_from_an_empty_folder_to_a_hand_that_holds_something(tm
         command = browser("first_run.mjs", url, str(folder), str(robots))
         done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
+@pytest.mark.sim
+@pytest.mark.ros
+@pytest.mark.parametrize("tasks", ["1,2", "3", "4"])
+def test_the_user_study_is_done_within_its_actions(
+    tmp_path: Path, tasks: str, domain: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With `STUDY_OUT`, a folder, transcripts and pictures are written there; `docs/study.md` is made of them."""
+    folder = tmp_path / "project"
+    folder.mkdir()
+    write_world(tmp_path / "lab")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    with (
+        subprocess.Popen([sys.executable, str(tmp_path / "lab" / "kinect2.py")]) as kinect,
+        editing(folder) as (_, url),
+    ):
+        command = browser("study.mjs", url, str(folder), tasks)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
+        kinect.terminate()
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.e2e

@@ -381,9 +381,11 @@ def test_an_interface_in_its_own_repository_brings_what_serves_it(
     assert view["problems"] == []
     relative = look(page, type="", text="", file="srv/Look.srv")
     assert (relative.status_code, "is no path on this machine" in relative.json()["detail"]) == (400, True)
-    asked = InterfaceRequest(file=str(repository / "srv/Look.srv"), outcomes=view["suggestion"])
+    asked = InterfaceRequest(file=str(repository / "srv/Look.srv"))
     made, home = make(ProjectFolder(project), asked)
-    started = yaml.safe_load((home / "component.yaml").read_text())["start"]["command"]
+    component = yaml.safe_load((home / "component.yaml").read_text())
+    assert component["meaning"] == {"failed": "failure"}, "of outcomes that GRIP has suggested"
+    started = component["start"]["command"]
     assert (made.path, started[0]) == ("components/seer_look/component.yaml", "{python}")
     assert (home / started[1]).resolve() == repository / "scripts/server.py"
     assert (home / "interfaces/seer/srv/Look.srv").is_file()

@@ -199,7 +199,9 @@ def make(folder: ProjectFolder, request: InterfaceRequest) -> tuple[InterfaceVie
             raise ContractError(found.interface.type_name, view.problems)
         named = replace(found, server=request.server or found.server, name=request.name)
         outcomes = request.outcomes or view.suggestion
-        home = make_component(named, components_folder(folder.folder), outcomes, request.failures)
+        # Of what is suggested, these don't mean success.
+        failures = request.failures or [w for w in ("failed", "none") if not request.outcomes and w in outcomes]
+        home = make_component(named, components_folder(folder.folder), outcomes, failures)
         if found.script is not None:
             file = home / "component.yaml"
             command = ["{python}", os.path.relpath(found.script, home)]

@@ -281,3 +281,11 @@ ServerFrame = Annotated[
     Field(discriminator="type"),
 ]
 ClientFrame = Annotated[Subscribe | Introduce | Selection, Field(discriminator="type")]
+
+
+class StudySpan(Wire):
+    """How long something had the focus on a page; reading is what is done away from it."""
+
+    window: Literal["configure", "program", "run", "away"]
+    seconds: Annotated[float, Field(ge=0, le=86400)]
+    page: PageId = ""

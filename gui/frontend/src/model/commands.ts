@@ -75,7 +75,7 @@ export function newLeaf(face: NodeFace, variables: ReadonlyMap<string, string>):
     for (const port of ports) {
       const fitting = [...variables].filter(([, type]) => type === port.type).map(([name]) => name);
       const meant = fitting.includes(port.name) ? port.name : fitting.length === 1 ? fitting[0] : undefined;
-      if (meant !== undefined && (port.required || !onlyRequired)) result[port.name] = meant;
+      if (meant !== undefined && (port.required || !onlyRequired || meant === port.name)) result[port.name] = meant;
     }
     return result;
   };

@@ -788,6 +788,13 @@ export interface StoredMessage {
   revision: number;
 }
 
+/** How long something had the focus on a page; reading is what is done away from it. */
+export interface StudySpan {
+  window: "configure" | "program" | "run" | "away";
+  seconds: number;
+  page: string;
+}
+
 /** Page to server: send this run's events from `from_seq` on. */
 export interface Subscribe {
   type: "subscribe";

@@ -24,7 +24,7 @@ import { Ask } from "./edit/Ask";
 import { EditBar } from "./edit/EditBar";
 import { Inspector } from "./edit/Inspector";
 import { Palette } from "./edit/Palette";
-import { useKeys } from "./hooks";
+import { useKeys, useStudy } from "./hooks";
 
 const StartPage = lazy(() => import("./start/StartPage"));
 const SetupPage = lazy(() => import("./setup/SetupPage"));
@@ -60,6 +60,7 @@ export function Page(): JSX.Element {
 
   useEffect(() => lookAgainOnReturn(), []);
   useKeys();
+  useStudy();
   const said = useDocument((s) => s.said);
   const room = usePage((s) => s.room);
   const shown = useRun((s) => s.task.path);

@@ -1,6 +1,8 @@
 /** Makes a box on the canvas, or a row of the outline, something that is dragged and dropped on. */
 import { type DragEvent, type RefObject, type UIEvent, useEffect, useLayoutEffect, useState } from "react";
 
+import { server } from "../protocol/client";
+import type { StudySpan } from "../protocol/generated";
 import { parentOf, type Spot, takesChildren } from "../model/commands";
 import { actionFor } from "../store/actions";
 import { expecting, isExpected, useAsk } from "../store/ask";
@@ -161,4 +163,35 @@ export function drop(event: DragEvent, spot: Spot | null): void {
 
 export function dropOn(event: DragEvent, path: string): void {
   drop(event, spotAt(path, whereOver(event, path)));
+}
+
+const LOOK = 500;
+/** A span is told when it ends, and before it has grown so long [ms]: what a page that is closed hasn't told is lost. */
+const SPAN = 5000;
+
+function focus(): StudySpan["window"] {
+  if (document.hidden || !document.hasFocus()) return "away";
+  const { session, task } = useRun.getState();
+  if (usePage.getState().room === "project" || task.path === "") return "configure";
+  return session !== null && session.state !== "ended" ? "run" : "program";
+}
+
+/** Tell a study how long what has had the focus; without one, nothing is measured. */
+export function useStudy(): void {
+  useEffect(() => {
+    let [what, since] = [focus(), performance.now()];
+    const page = Math.random().toString(36).slice(2, 10);
+    let timer: ReturnType<typeof setInterval> | undefined;
+    const tell = (seconds: number): Promise<void> => server.study({ window: what, seconds, page }).then((wanted) => {
+      if (wanted && timer === undefined) timer = setInterval(look, LOOK);
+    });
+    function look(): void {
+      const [now, spent] = [focus(), performance.now() - since];
+      if (now === what && spent < SPAN) return;
+      void tell(spent / 1000).catch(() => undefined);
+      [what, since] = [now, performance.now()];
+    }
+    void tell(0).catch(() => undefined);
+    return () => clearInterval(timer);
+  }, []);
 }
