@@ -6,6 +6,7 @@ import asyncio
 import logging
 import os
 import threading
+import time
 import webbrowser
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -34,8 +35,7 @@ from grip_gui.runs.routes import make_router
 from grip_gui.runs.run_control import BusyError, Launch, RunControl, start_run
 from grip_gui.security import HOST, Gate, listen
 from grip_gui.setup.routes import make_setup_router
-from grip_gui.study import make_study_router
-from grip_gui.wire.runs import RunOptions
+from grip_gui.wire.runs import RunOptions, StudySpan
 from grip_gui.wire.task import ErrorBody
 
 log = logging.getLogger(__name__)
@@ -108,7 +108,16 @@ def create_app(
     app.include_router(make_setup_router(folder, runner, runs, desk.notify))
     app.include_router(make_live_router(folder, runner, window, lambda: desk.run_under_way))
     app.include_router(make_router(folder, desk, runs, task, edits))
-    app.include_router(make_study_router(study and study.resolve()))
+
+    @app.post("/api/study")
+    def spent(span: StudySpan) -> bool:
+        """Add a span to the study's file; tell whether there is one."""
+        if study is not None and span.seconds > 0:
+            row = f"{time.time():.1f},{span.page},{span.window},{span.seconds:.1f}\n"
+            with study.open("a") as out:
+                out.write(row)
+        return study is not None
+
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
 

@@ -239,12 +239,8 @@ def _as_xacro(robot: RobotDescription) -> str:
     joint = SubElement(root, "joint", name="rh_manipulator_fixed", type="fixed")
     SubElement(joint, "parent", link=frame.link)
     SubElement(joint, "child", link="rh_manipulator")
-    from scipy.spatial.transform import Rotation
-
-    w, x, y, z = frame.pose.quaternion
-    rpy = Rotation.from_quat([x, y, z, w]).as_euler("xyz")
     xyz = " ".join(f"{each:.6g}" for each in frame.pose.position)
-    SubElement(joint, "origin", xyz=xyz, rpy=" ".join(f"{each:.6g}" for each in rpy))
+    SubElement(joint, "origin", xyz=xyz, rpy="0 -1.570796 1.570796")  # z leaves the palm, x runs along the fingers
     return tostring(root, encoding="unicode") + "\n"
 
 

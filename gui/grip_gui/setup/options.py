@@ -58,7 +58,7 @@ def options_of(kind: str, data: object, folder: Path) -> dict[str, list[str]]:
         case "joint_states":
             return {"*/?": _joints_in(project_robot_facts(folder))}
         case "trajectories":
-            return {"*/*/name": _names_in(folder / JOINT_STATES)}
+            return {"*/*/name": _names(data_in(folder / JOINT_STATES))}
         case "poses":
             return {"*/reference_frame": project_robot_facts(folder).get("frames", ["world"])}
     return {}
@@ -87,7 +87,7 @@ def doubtful_names(kind: str, tree: YamlValue, data: object, folder: Path) -> li
         allowed = _joints_in(known)
     elif kind == "poses":
         pattern, what = ["*", "reference_frame"], "frame"
-        allowed = [*known.get("frames", ()), *_keys_in(data_in(folder / "grip.yaml") or {}, "sensors")]
+        allowed = [*known.get("frames", ()), *_names((data_in(folder / "grip.yaml") or {}).get("sensors"))]
     else:
         return []
     found = _at(data, pattern, ()) if known.get("groups") else ()
@@ -105,10 +105,10 @@ def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
     if not isinstance(robot, str) or not is_path(robot, folder):
         found["robot"] = list(known["robots"])  # where it is a file, its path is as good
     found |= {
-        "ros/controllers/?": [*_keys_in(data, "arms"), *_keys_in(data, "hands")],
+        "ros/controllers/?": [*_names(data.get("arms")), *_names(data.get("hands"))],
         "ros/cameras/?": _cameras_in(data),
         "ros/cameras/*/mount/on": list(known.get("frames", ["world"])),
-        "arms/*/hand": _keys_in(data, "hands"),
+        "arms/*/hand": _names(data.get("hands")),
         "world": list(world_files(folder)),
         "sensors/*/camera": _world_cameras(data.get("world"), folder),
         "sensors/*/topics/*/type": sorted(MESSAGES),
@@ -138,7 +138,7 @@ def templates_of(kind: Kind, data: object, folder: Path) -> list[Template]:
         case "trajectories":
             way = [
                 {"name": name, "interpolate_time": 2.0, "pause_time": 0.0}
-                for name in (_names_in(folder / JOINT_STATES)[:2] or _WAY)
+                for name in (_names(data_in(folder / JOINT_STATES))[:2] or _WAY)
             ]
             return [Template(title="a way through joint states", key=["approach"], value=way)]
         case "project" if isinstance(data, Mapping):
@@ -158,7 +158,7 @@ def _joint_states(known: Mapping[str, Any]) -> list[Template]:
 
 def _of_real_robot(data: Mapping[str, object]) -> Iterator[Template]:
     """Yield a controller of each arm and hand that the file names, and topics of each camera, as RGB-D drivers do."""
-    parts = [*_keys_in(data, "arms"), *_keys_in(data, "hands")]
+    parts = [*_names(data.get("arms")), *_names(data.get("hands"))]
     if controllers := {name: {"trajectory": f"/{name}_controller/follow_joint_trajectory"} for name in parts}:
         yield Template(title="controllers of the real robot", key=["ros", "controllers"], value=controllers)
     topics = {"image": "color/image_raw", "depth": "aligned_depth_to_color/image_raw", "info": "color/camera_info"}
@@ -171,16 +171,9 @@ def _cameras_in(data: Mapping[str, object]) -> list[str]:
     return [str(path[1]) for path, _ in _at(data, ["sensors", "*", "camera"], ())]
 
 
-def _keys_in(data: Mapping[str, object], key: str) -> list[str]:
-    """Return the names in a mapping of a project file's data."""
-    value = data.get(key)
+def _names(value: object) -> list[str]:
+    """Return the keys of a mapping; none of anything else."""
     return [str(name) for name in value] if isinstance(value, Mapping) else []
-
-
-def _names_in(file: Path) -> list[str]:
-    """Return the keys of a file's mapping; none of a file that isn't there or can't be read."""
-    data = data_in(file)
-    return [str(name) for name in data] if isinstance(data, Mapping) else []
 
 
 def _at(
@@ -206,7 +199,7 @@ def names_of(folder: Path) -> dict[str, list[str]]:
 
     A project whose `grip.yaml` can't be read offers what needs no robot.
     """
-    messages = [name for path in (POSES, JOINT_STATES, TRAJECTORIES) for name in _names_in(folder / path)]
+    messages = [name for path in (POSES, JOINT_STATES, TRAJECTORIES) for name in _names(data_in(folder / path))]
     found = {
         "messages/*/store": list(STANDARD),
         "messages/*/name": sorted(set(messages)),

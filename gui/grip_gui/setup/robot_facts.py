@@ -52,11 +52,6 @@ def robot_facts(robot: object, folder: Path) -> dict[str, Any]:
     return _known.get(_key(robot, folder), lambda: _read(robot, folder))
 
 
-def robot_error(data: object, folder: Path) -> str:
-    """Return what is wrong with the files that describe the robot of a project file's data; empty for nothing."""
-    return str(robot_facts(data.get("robot"), folder).get("error", "")) if isinstance(data, Mapping) else ""
-
-
 def _key(robot: object, folder: Path) -> tuple[str, str]:
     return json.dumps(robot, sort_keys=True, default=str), str(folder)
 

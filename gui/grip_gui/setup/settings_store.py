@@ -23,7 +23,7 @@ from grip_gui.editing.files import ChangedOnDiskError, TextFile
 from grip_gui.project import ProjectFolder
 from grip_gui.setup.kinds import JOINT_STATES, POSES, entries, kind_of
 from grip_gui.setup.options import doubtful_names, options_of, templates_of, wrong_options
-from grip_gui.setup.robot_facts import robot_error
+from grip_gui.setup.robot_facts import robot_facts
 from grip_gui.wire.setup import SetupChange, SetupEntry, SetupSave, SetupText, SetupView
 from grip_gui.wire.task import Problem
 
@@ -97,7 +97,8 @@ class SettingsStore:
             # The reader of trajectories stops at the first name that isn't there, and says less of it.
             if not faults or kind.name != "trajectories":
                 faults = [*kind.check(file, text, tree), *faults]
-            if kind.name == "project" and (wrong := robot_error(data, home)):
+            named = data.get("robot") if kind.name == "project" and isinstance(data, dict) else None
+            if wrong := robot_facts(named, home).get("error"):
                 faults.append((f"robot: {wrong}", *find(tree, ("robot",))))
             problems = [_problem(fault, tree) for fault in faults]
             problems += [_problem(doubt, tree, "warning") for doubt in doubtful_names(kind.name, tree, data, home)]
