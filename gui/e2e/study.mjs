@@ -97,7 +97,7 @@ async function browse(page, me, steps, last, until) {
     await me.press(`open ${step}`, page.getByRole("listitem").getByRole("button", { name: new RegExp(`^${step}( ROS package| MoveIt configuration)?$`) }), () =>
       page.locator("[aria-current=location]").getByText(step, { exact: true }).waitFor());
   }
-  await me.press(`choose ${last}`, page.getByRole("button", { name: last }), until);
+  await me.press(last.startsWith("Choose") ? last.replace("Choose", "choose") : `choose ${last}`, page.getByRole("button", { name: last }), until);
 }
 
 const door = (page, name) => page.getByRole("group", { name: "How to begin" }).getByRole("button", { name: new RegExp(`^${name}`) });
