@@ -41,7 +41,7 @@ def add_import(parser: argparse.ArgumentParser) -> None:
     path = (
         "smach: a Python file, or a folder of them; pytrees: an XML file, or with --execute module:function,"
         " file.py:function or file.py, a program; btcpp: an XML file of version 4, several, or a folder; grip: a task"
-        " or configuration of the first GRIP (.ini, .yaml), or a folder"
+        " or configuration of the first GRIP (.yaml), or a folder"
     )
     add("path", type=Path, metavar="PATH", help=path)
     add("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")

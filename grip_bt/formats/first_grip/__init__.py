@@ -14,11 +14,15 @@ from grip_bt.task import FrozenDict, Meaning, Task
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 from grip_bt.task.model import Leaf, walk
 
-from .project import MARK, Configuration, project_texts, read_configuration, take_file
-from .settings import read_settings
+from .project import MARK, Configuration, project_texts, take_file
 from .states import STATES, ImportContext, node_of
-from .tasks import GripContainer, GripState, broken_if_invalid, graph_task, name_of, outcome_meanings
-from .text import text_task
+from .tasks import GripContainer, GripState, broken_if_invalid, name_of, outcome_meanings, text_task
+
+_FILES = (".ini", ".scene", ".yaml", ".yml")
+_OF_EDITOR = (
+    "files of the first GRIP's editor (.ini) aren't read: give the folder of the robot's YAML files and the task in its"
+    " text form (YAML), or draw the task anew (grip gui)"
+)
 
 
 def read(request: Request) -> Imported:
@@ -30,7 +34,7 @@ def import_grip(path: Path) -> Imported:
     """Read tasks and configurations of the first GRIP; nothing is run, and nothing is written.
 
     Args:
-        path: an `.ini` file of a task or of a robot, a YAML file of a task or of a configuration, or a folder of such.
+        path: a YAML file of a task in text form or of a robot's configuration, or a folder of such.
 
     Raises:
         DocumentError: it can't be read.
@@ -38,20 +42,23 @@ def import_grip(path: Path) -> Imported:
     """
     if not path.exists():
         raise GripError(f"{path}: there is no such file or folder")
-    files = [path] if not path.is_dir() else sorted(p for p in path.rglob("*") if p.suffix in (".ini", ".yaml", ".yml"))
+    files = sorted(p for p in path.rglob("*") if p.suffix in _FILES) if path.is_dir() else [path]
     found, issues = Configuration(), Issues()
     originals: list[GripContainer] = []
-    loose: list[Path] = []
     for file in files:
         if file.suffix == ".ini":
-            originals += _settings_file(file, found, issues)
+            if file == path:
+                raise GripError(f"{path}: {_OF_EDITOR}")
+            found.issues.add("incomplete", file.name, _OF_EDITOR)
+        elif file.suffix == ".scene":
+            if found.scene is not None:
+                found.issues.add(
+                    "incomplete", file.name, f"taken instead of {found.scene.name}: a project has one scene"
+                )
+            found.scene = file
         elif (data := _task_data(file)) is not None:
             originals.append(text_task(data, file.name))
         else:
-            loose.append(file)
-    seen = {name for names in found.sources.values() for name in names}
-    for file in loose:
-        if file.name not in seen:
             take_file(found, file)
     if not originals and not found.parts:
         said = "".join(f"\n  {issue}" for issue in found.issues)
@@ -71,24 +78,8 @@ def import_grip(path: Path) -> Imported:
     return Imported(tasks, (*found.issues, *issues), files=texts, copies=copies)
 
 
-def _settings_file(file: Path, found: Configuration, issues: Issues) -> list[GripContainer]:
-    settings = read_settings(file)
-    if any(key[-1] == "container" for key in settings):
-        root = graph_task(settings, file.name, issues)
-        if root.name == "root":
-            root.name = file.stem
-        return [root]
-    read = read_configuration(settings, file)
-    for kind, named in read.parts.items():
-        found.parts.setdefault(kind, {}).update(named)
-        found.sources.setdefault(kind, []).extend(read.sources[kind])
-    found.scene = read.scene or found.scene
-    found.issues.extend(read.issues)
-    return []
-
-
 def _task_data(file: Path) -> Mapping[str, object] | None:
-    """Return a task in the older text form; None where the file is something else."""
+    """Return a task in the text form; None where the file is something else."""
     try:
         data = to_data(parse(read_file(file), str(file)))
     except DocumentError:
@@ -100,7 +91,7 @@ def _nodes(unknown: Mapping[str, GripState]) -> dict[str, str]:
     manifests, classes = [], []
     for id_, state in unknown.items():
         cls = "".join(word.capitalize() for word in id_.partition("/")[2].split("_"))
-        outcomes = tuple(name_of(outcome) for outcome in state.outcomes) or ("success", "failure")
+        outcomes = tuple(map(name_of, state.outcomes))
         slots = [key_of(slot) for slot in state.slots if slot != "output"]
         ports = [*(["output"] if "output" in state.slots else []), *map(key_of, state.writes)]
         manifest = Manifest(
@@ -188,12 +179,8 @@ def _parallel(found: GripContainer, names: dict[str, str], context: ImportContex
         if unknown := [label for label in when if label not in names]:
             context.issues.add("incomplete", place, f"a rule for {outcome!r} names {unknown}, which aren't there")
             continue
-        said = {names[label]: [ends[label].get(o, name_of(o)) for o in wanted] for label, wanted in when.items()}
+        said = {names[label]: [ends[label].get(end, name_of(end))] for label, end in when.items()}
         rules.append({"when": said, "then": name_of(outcome)})
-        for label, wanted in when.items():
-            if len(wanted) > 1:
-                text = f"{wanted} of {label!r} lead to {outcome!r}: any of them will do; only the last counted"
-                context.issues.add("changed", place, text)
     rules.append({"then": name_of(found.default)})
     own = {outcome: meaning for outcome, meaning in _outcomes(found).items() if outcome not in ("success", "failure")}
     return {"kind": "parallel", "cancel": "join", "rules": rules, "outcomes": own, "children": children}

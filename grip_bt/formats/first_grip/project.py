@@ -16,11 +16,7 @@ from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.formats.imported import Issues, generated_by
 from grip_bt.formats.names import key_of
 
-from .settings import Key, Refused
 from .tasks import is_hand
-
-_FILES = (".yaml", ".yml")
-_OTHERS = (".xacro", ".urdf", ".launch", ".world", ".scene")
 
 
 @dataclass
@@ -35,44 +31,6 @@ class Configuration:
     def part(self, kind: str) -> Mapping[str, Any]:
         """Return everything of a kind by name."""
         return self.parts.get(kind, {})
-
-
-def read_configuration(settings: Mapping[Key, object], file: Path) -> Configuration:
-    """Return what the files are that a robot's `.ini` names, there or of the same name below its folder."""
-    found = Configuration()
-    for key, value in settings.items():
-        if isinstance(value, Refused):
-            found.issues.add("incomplete", f"{file.name}:{value.line}", f"{'/'.join(key)}: {value.reason}")
-        for text in _texts(value):
-            suffix = Path(text).suffix
-            if suffix in (*_FILES, *_OTHERS):
-                _take(found, text, file, "/".join(key))
-    return found
-
-
-def _texts(value: object) -> list[str]:
-    if isinstance(value, str):
-        return [value]
-    return [text for each in value for text in _texts(each)] if isinstance(value, list | tuple) else []
-
-
-def _take(found: Configuration, text: str, file: Path, key: str) -> None:
-    path = Path(text)
-    if not path.is_file():
-        beside = sorted(each for each in file.parent.rglob(path.name) if each.is_file())
-        if not beside:
-            found.issues.add("incomplete", file.name, f"{key}: {text} isn't there; give it by its own path")
-            return
-        path = beside[0]
-    if path.suffix in _FILES:
-        take_file(found, path)
-    elif path.suffix == ".scene":
-        found.scene = path
-    elif path.suffix in (".urdf", ".xacro"):
-        found.issues.add("incomplete", path.name, "the robot's description: see docs for how a project names one")
-    else:
-        what = "a launch file of ROS 1" if path.suffix == ".launch" else "a world of Gazebo"
-        found.issues.add("incomplete", path.name, f"{what} isn't imported")
 
 
 def take_file(found: Configuration, path: Path) -> None:

@@ -239,10 +239,6 @@ def _number(steps: _Steps, slot: str, pattern: str, unit: str = "") -> float | N
 
 def _allow(steps: _Steps) -> dict[str, str]:
     arm = _arm(steps.slot("group_name")).get("arm", steps.context.hand)
-    if "collision" in steps.state.slots and not steps.slot("collision"):
-        steps.note("changed", "it only asked which collisions are allowed, and changes none")
-        steps.add("allow", "flow/succeed")
-        return {"success": "success"}
     allowed = steps.slot("allow").lower() in ("true", "1", "")
     listed = steps.state.slots.get("objects") or []
     names = re.findall(r"[\w./-]+", listed) if isinstance(listed, str) else [str(each) for each in listed]
@@ -289,7 +285,7 @@ def node_of(state: GripState, context: ImportContext, place: str) -> Converted:
 
 def _by_place(ends: dict[str, str], outcomes: list[str]) -> dict[str, str]:
     """Return the ends by a state's own names: its first outcome is its success, its last the failure."""
-    own = {end: outcomes[place] for end, place in (("success", 0), ("failure", -1)) if outcomes and end not in outcomes}
+    own = {end: outcomes[place] for end, place in (("success", 0), ("failure", -1)) if end not in outcomes}
     return {own.get(outcome, outcome): end for outcome, end in ends.items()}
 
 

@@ -1,20 +1,18 @@
-"""Tasks of the first GRIP as they were meant: the graphs of its editor, in `.ini` files."""
+"""Tasks of the first GRIP in its text form: nested YAML whose parameters are handed down by `params:`."""
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, StrictStr, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
-from grip_bt.base.errors import GripError
-from grip_bt.formats.imported import Issues
-from grip_bt.formats.names import free, node_name
+from grip_bt.base.errors import GripError, nearest
+from grip_bt.formats.names import free, key_of, node_name
 from grip_bt.task.model import Meaning
-
-from .settings import Key, Refused
 
 
 @dataclass
@@ -38,14 +36,14 @@ class GripState:
 class GripContainer(GripState):
     """A container; `outcomes` are its own, `leads` say where these go in its parent.
 
-    Of a concurrent one, `rules` are outcome -> child -> its outcomes, any of which will do; `default` where none holds.
+    Of a concurrent one, `rules` are outcome -> child -> the outcome that it must have; `default` where none holds.
     """
 
     concurrent: bool = False
     children: dict[str, GripState] = field(default_factory=dict)
     initial: str = ""
     default: str = ""
-    rules: dict[str, dict[str, list[str]]] = field(default_factory=dict)
+    rules: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def states(self) -> Iterator[GripState]:
         """Yield every state below, containers not."""
@@ -80,18 +78,6 @@ def is_hand(group: str) -> bool:
     return any(word in group.lower() for word in ("hand", "gripper", "finger")) and "arm" not in group.lower()
 
 
-CONCURRENT = "ConcurrentStateMachine"
-_START = "Start"
-DEEPEST = 30
-"""Most containers that may lie in each other."""
-Role = tuple[str, str, str]
-"""Of a socket: `start`, `end`, `in` or `out`; the state; the outcome."""
-Sockets = dict[int | str | None, Role]
-
-# outcomes of the states that came with it, in their order
-OUTCOMES = {"Counter": ["success", "finished"]}
-
-
 class BrokenTaskError(GripError):
     """A task of the first GRIP can't be read; the message says what and where."""
 
@@ -106,152 +92,135 @@ def broken_if_invalid(place: str) -> Iterator[None]:
         raise BrokenTaskError(f"{place}: {'/'.join(map(str, first['loc']))}: {first['msg']}") from None
 
 
-def graph_task(settings: Mapping[Key, object], source: str, issues: Issues) -> GripContainer:
-    """Return the task that a file of settings holds. Raises BrokenTaskError: there is none in it, or it is broken."""
-    graphs: dict[Key, dict[str, object]] = {}
-    for key, value in settings.items():
-        if key[-1] != "container":
-            continue
-        if isinstance(value, Refused):
-            raise BrokenTaskError(f"{source}:{value.line}: {'/'.join(key)}: {value.reason}")
-        if not isinstance(value, dict):
-            raise BrokenTaskError(f"{source}: {'/'.join(key)} is a {type(value).__name__} and not a graph")
-        graphs[key[:-1]] = value
-    if not graphs:
-        raise BrokenTaskError(f"{source}: there is no task in it: no key ends with `container`")
-    root = min(graphs, key=len)
-    return _Reader(graphs, source, issues).container(root[-1] if root else "root", "StateMachine", root, 0)
+DEEPEST = 30
+"""Most containers that may lie in each other."""
+CONCURRENT = "concurrent_state_machine"
+_CONTAINERS = {CONCURRENT, "framework_state_machine", "state_machine", "sm_base"}
+_NAMED = ("ComputePlan", "Move", "Counter", "Select", "WaitFor", "ExecuteTrajectory", "AllowCollisions")
+_TYPES = {
+    "plan": "ComputePlan",
+    "allow_manipulator_collisions": "AllowCollisions",
+    **{key_of(name): name for name in (*_NAMED, "ReinitialiseManagers", "Grasp", "WaitForSignal")},
+}
+_SLOTS = {
+    "target_state_type": "target_type",
+    "target_state_name": "target_name",
+    "starting_state_type": "starting_type",
+    "starting_state_name": "starting_name",
+    "collision_type": "collision",
+}
+"""Parameter -> the slot of the editor that took its place."""
+_Scope = ChainMap[str, Any]
 
 
 class _Said(BaseModel):
-    model_config = ConfigDict(extra="ignore")
+    """What is said of a state or container; anything else of it is a slot."""
 
-
-class _Socket(_Said):
-    id: StrictInt | StrictStr
+    model_config = ConfigDict(extra="allow", coerce_numbers_to_str=True)
     name: str = ""
+    source: str = ""
+    outcomes: list[str] = []
+    transitions: dict[str, str] = {}
+    input_keys: list[str] = []
+    output_keys: list[str] = []
+    io_keys: list[str] = []
+    initial: str = ""
+    default_outcome: str = ""
+    outcome_map: dict[str, dict[str, str]] = {}
 
 
-_AnySocket = Annotated[_Socket, BeforeValidator(lambda said: said if isinstance(said, dict) else {"id": said})]
+def text_task(data: object, source: str) -> GripContainer:
+    """Return the task that a nested dictionary holds. Raises BrokenTaskError: it holds none, or is broken."""
+    if not isinstance(data, Mapping) or "states" not in data:
+        raise BrokenTaskError(f"{source}: there is no task in it: `name`, `outcomes` and `states` are expected")
+    return _container(str(data.get("name") or "task"), data, ChainMap(), source, 0)
 
 
-class _Entry(_Said):
-    name: str = Field(min_length=1)
-    type: str = ""
-    content: dict[str, object] = {}
-    input_socket: _AnySocket | None = None
-    output_sockets: list[_AnySocket] = []
+def _said(data: Mapping[str, Any], scope: _Scope, place: str) -> tuple[_Said, _Scope]:
+    """Return what is said, and what stands for `params.NAME` in it and below: its own `params` are said of it too."""
+
+    def value(said: Any, around: _Scope) -> Any:
+        if isinstance(said, list):
+            return [value(each, around) for each in said]
+        if not isinstance(said, str) or not said.startswith("params."):
+            return said
+        name = said.removeprefix("params.")
+        if name not in around:
+            known = f"{nearest(name, around)} (available: {', '.join(sorted(around)) or 'none'})"
+            raise BrokenTaskError(f"{place}: no `params` here or around it has {name!r}{known}")
+        return around[name]
+
+    own = data.get("params") or {}
+    if not isinstance(own, Mapping):
+        raise BrokenTaskError(f"{place}: `params` is a mapping from names to values")
+    inner = scope.new_child({str(name): value(each, scope) for name, each in own.items()})
+    rest = {str(n): value(each, inner) for n, each in data.items() if n not in ("params", "states")}
+    with broken_if_invalid(place):
+        return _Said.model_validate({n: v for n, v in {**inner.maps[0], **rest}.items() if v is not None}), inner
 
 
-class _Connector(_Said):
-    start: Any = None
-    end: object = None
+def _container(name: str, data: Mapping[str, Any], around: _Scope, place: str, depth: int) -> GripContainer:
+    said, scope = _said(data, around, place)
+    if depth > DEEPEST:
+        raise BrokenTaskError(f"{place}: containers lie in each other more than {DEEPEST} deep")
+    made = GripContainer(name, said.source, outcomes=said.outcomes or list(said.transitions) or ["success", "fail"])
+    made.concurrent, made.leads = said.source == CONCURRENT, said.transitions
+    states = data.get("states")
+    if not isinstance(states, list) or not states:
+        raise BrokenTaskError(f"{place}: `states` is a list of states and not empty")
+    for entry in states:
+        if not isinstance(entry, Mapping) or len(entry) != 1:
+            raise BrokenTaskError(f"{place}: a state is `NAME: {{source: ..., ...}}`, not {str(entry)[:60]}")
+        ((label, inner),) = entry.items()
+        if not isinstance(inner, Mapping):
+            raise BrokenTaskError(f"{place}/{label}: a mapping with `source` is expected")
+        if str(label) in made.children:
+            raise BrokenTaskError(f"{place}/{label}: two states have this name")
+        made.children[str(label)] = _child(str(label), inner, scope, f"{place}/{label}", depth)
+    made.initial, made.default = said.initial or next(iter(made.children)), said.default_outcome or made.outcomes[-1]
+    made.rules = said.outcome_map
+    for outcome in (made.default, *made.rules) if made.concurrent else ():
+        if outcome not in made.outcomes:
+            known = f"{nearest(outcome, made.outcomes)} (available: {', '.join(made.outcomes)})"
+            raise BrokenTaskError(f"{place}: it may end with {outcome!r}, which is none of its outcomes{known}")
+    return made
 
 
-class _Graph(_Said):
-    terminal_sockets: list[_Socket]
-    states: list[_Entry] = []
-    state_machines: list[_Entry] = []
-    connectors: list[_Connector] = []
+def _child(label: str, data: Mapping[str, Any], scope: _Scope, place: str, depth: int) -> GripState:
+    said, _ = _said(data, scope, place)
+    if said.source in _CONTAINERS or data.get("states") is not None:
+        return _container(label, data, scope, place, depth + 1)
+    kind = _TYPES.get(said.source.removeprefix("state_"), said.source)
+    usual = ["success", "fail"] if kind in (*_TYPES.values(), "") else ["success", "failure"]
+    made = GripState(label, kind, {_SLOTS.get(n, n): value for n, value in (said.model_extra or {}).items()})
+    made.outcomes, made.leads = (
+        said.outcomes or list(said.transitions) or (["success", "finished"] if kind == "Counter" else usual),
+        said.transitions,
+    )
+    made.reads, made.writes = said.input_keys + said.io_keys, said.output_keys + said.io_keys
+    _as_in_the_editor(made)
+    return made
 
 
-class _Reader:
-    def __init__(self, graphs: Mapping[Key, dict[str, object]], source: str, issues: Issues):
-        self.graphs, self.source = graphs, source
-        self.issues = issues
+def _as_in_the_editor(state: GripState) -> None:
+    """Say what a state reads and writes by slots, as the editor's states do.
 
-    def container(self, name: str, kind: str, key: Key, depth: int) -> GripContainer:
-        if depth > DEEPEST:
-            raise BrokenTaskError(f"{self.source}: containers lie in each other more than {DEEPEST} deep")
-        place = "/".join(key)
-        with broken_if_invalid(f"{self.source}: {place}"):
-            graph = _Graph.model_validate(self.graphs[key])
-        ends = [each.name for each in graph.terminal_sockets]
-        start = ends.index(_START) if _START in ends else 0
-        outcomes = [end for number, end in enumerate(ends) if number != start and end]
-        made = GripContainer(name, kind, outcomes=outcomes, concurrent=kind == CONCURRENT)
-        sockets: Sockets = {}
-        for number, terminal in enumerate(graph.terminal_sockets):
-            role = ("start", "", "") if number == start else ("end", "", ends[number])
-            self._socket(sockets, terminal, role, place)
-        for entry in graph.states:
-            self._child(made, GripState(entry.name, entry.type, dict(entry.content)), entry, sockets, place)
-        for entry in graph.state_machines:
-            inner = self.container(entry.name, entry.type or "StateMachine", self._find(entry.name, key), depth + 1)
-            self._child(made, inner, entry, sockets, place)
-        self._finish(made, self._connect(made, graph.connectors, sockets, place), place)
-        return made
-
-    def _find(self, name: str, parent: Key) -> Key:
-        """Return the key of a container: below or beside the one that names it, or the only one of this name."""
-        found = [key for key in self.graphs if key[-1:] == (name,)]
-        near = [key for key in ((*parent, name), (*parent[:-1], name), (name,)) if key in found]
-        if not near and len(found) != 1:
-            raise BrokenTaskError(f"{self.source}: the container {name!r} isn't in the file")
-        return (near or found)[0]
-
-    def _socket(self, sockets: Sockets, said: _Socket, role: Role, place: str) -> None:
-        if sockets.setdefault(said.id, role) != role:
-            raise BrokenTaskError(f"{self.source}: {place}: two sockets have the id {said.id!r}; save the task again")
-
-    def _child(self, made: GripContainer, child: GripState, entry: _Entry, sockets: Sockets, place: str) -> None:
-        if child.name in made.children:
-            raise BrokenTaskError(f"{self.source}: {place}: two states are called {child.name!r}")
-        made.children[child.name] = child
-        if entry.input_socket is not None:
-            self._socket(sockets, entry.input_socket, ("in", child.name, ""), place)
-        names = [socket.name for socket in entry.output_sockets]
-        names = names if all(names) else _usual(child, len(names))
-        if not isinstance(child, GripContainer):
-            child.outcomes = names
-        for socket, outcome in zip(entry.output_sockets, names, strict=True):
-            self._socket(sockets, socket, ("out", child.name, outcome), place)
-
-    def _connect(self, made: GripContainer, connectors: list[_Connector], sockets: Sockets, place: str) -> list[str]:
-        """Follow the connectors; return where the container starts."""
-        starts = []
-        for entry in connectors:
-            pair = [role for role in (sockets.get(_id(entry.start)), sockets.get(_id(entry.end))) if role is not None]
-            if len(pair) < 2:
-                self.issues.add("incomplete", place, "a connector leads nowhere and was left out")
-                continue
-            left, right = sorted(pair, key=lambda role: role[0] not in ("start", "out"))
-            if left[0] == "start" and right[0] == "in":
-                starts.append(right[1])
-            elif left[0] == "out" and right[0] in ("in", "end"):
-                (_, child, outcome), target = left, right[1] if right[0] == "in" else right[2]
-                made.children[child].leads[outcome] = target
-                if made.concurrent and right[0] == "end":
-                    made.rules.setdefault(target, {}).setdefault(child, []).append(outcome)
-                elif made.concurrent:
-                    what = "in a concurrent container, whose children begin at once"
-                    self.issues.add("changed", place, f"{outcome!r} of {child!r} led to {target!r} {what}")
-            else:
-                self.issues.add("incomplete", place, f"a connector joins {left[0]} and {right[0]}: left out")
-        return starts
-
-    def _finish(self, made: GripContainer, starts: list[str], place: str) -> None:
-        for what, there in (("is empty", made.children), ("has no outcomes", made.outcomes)):
-            if not there:
-                raise BrokenTaskError(f"{self.source}: {place}: the container {what}")
-        made.initial, made.default = (starts or list(made.children))[0], made.outcomes[-1]
-        if made.concurrent:
-            made.rules.pop(made.default, None)
-            text = f"which outcome was the default isn't in such a file; {made.default!r}, the last one, is used"
-            self.issues.add("changed", place, text)
-        elif len(starts) != 1:
-            text = f"Start leads to {starts or 'nothing'}; {made.initial!r} is used as the initial state"
-            self.issues.add("incomplete", place, text)
+    The text form had it in fixed keys of the userdata: `selected_grasp` for a grasp and its parts, `selected_pose` ...
+    """
+    slots = state.slots
+    for which in ("target", "starting"):
+        kind = str(slots.get(f"{which}_type") or "")
+        if slots.get(f"{which}_name") == "userdata":
+            slots[f"{which}_name"], slots[f"{which}_type"] = selected(kind), ""
+            slots[f"{which}_part"] = kind if "grasp" in kind else ""
+    if state.type == "Select" and "message_type" in slots:
+        kind, names = str(slots.pop("message_type")), slots.pop("message_names", None)
+        key = selected(kind)
+        slots |= {"input_type": kind, "output": key if key in state.writes else "", "names": names}
+    elif state.type == "Move" and "selected_plan" in state.reads:
+        slots["plan_name"] = "selected_plan"
 
 
-def _usual(child: GripState, count: int) -> list[str]:
-    """Return the outcomes of a state whose file only counts them."""
-    known = child.outcomes if isinstance(child, GripContainer) else OUTCOMES.get(child.type, [])
-    if len(known) == count:
-        return known
-    return ["success", "failure"] if count == 2 else [*map(str, range(count - 1)), "state_failure"]
-
-
-def _id(said: object) -> int | str | None:
-    found = said.get("id") if isinstance(said, dict) else said
-    return found if isinstance(found, int | str) else None
+def selected(kind: str) -> str:
+    """Return the key of the userdata for what was selected: grasps in whole, whichever part is wanted."""
+    return f"selected_{'grasp' if 'grasp' in kind else kind.replace(' ', '_')}"

@@ -1,13 +1,14 @@
 """Tasks of the first GRIP become tasks that do the same, with a report of what isn't as it was."""
 
+import copy
+import json
 import os
-import pickle
 import random
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from original_files import Graph, pick_and_place, variant, write_configuration, write_settings
+from original_files import PICK_AND_PLACE, write_configuration
 
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.project.folder import find_project
@@ -15,17 +16,17 @@ from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.app.runs.mocks import scripted
 from grip_bt.base.errors import GripError
 from grip_bt.base.message_store.files import read_joint_states, read_poses, read_trajectories
+from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.cli.__main__ import main
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.formats.first_grip import import_grip
-from grip_bt.formats.first_grip.text import text_task
+from grip_bt.formats.first_grip.tasks import text_task
 from grip_bt.runtime import JournalReader, RunContext, Runner
 from grip_bt.task import read
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.validation import validate
 
 SEEDS = int(os.environ.get("GRIP_FUZZ_TASKS", "120"))
-TWO = ["success", "failure"]
 
 
 def errors_of(folder: Path, name: str) -> list[str]:
@@ -38,11 +39,10 @@ def notes(imported) -> str:
     return "\n".join(map(str, imported.issues))
 
 
-@pytest.mark.parametrize("protocol", [0, 2, 4])
-def test_a_project_comes_of_a_robot_and_a_task_and_passes_the_check(protocol, tmp_path, capsys):
+def test_a_project_comes_of_a_robot_and_a_task_and_passes_the_check(tmp_path, capsys):
     source, out = tmp_path / "old", tmp_path / "new"
     write_configuration(source)
-    write_settings(source / "pick.ini", pick_and_place(), protocol)
+    (source / "pick.yaml").write_text(PICK_AND_PLACE)
     assert main(["import", str(source), "--from", "grip", "-o", str(out)]) == 1
     told = capsys.readouterr().out
     assert "there is no node 'component/basic_grasping'" in told
@@ -71,11 +71,9 @@ def test_a_project_comes_of_a_robot_and_a_task_and_passes_the_check(protocol, tm
 
 def test_what_isnt_as_it_was_is_told(tmp_path):
     write_configuration(tmp_path)
-    write_settings(tmp_path / "pick.ini", pick_and_place())
+    (tmp_path / "pick.yaml").write_text(PICK_AND_PLACE)
     told = notes(import_grip(tmp_path))
     for text in (
-        "/home/user/panda.urdf.xacro isn't there; give it by its own path",
-        "'not_done', the last one, is used",
         "the plan that the commander kept to itself is a variable",
         "fails when the motion fails; the first GRIP ignored that",
         "pointcloud: PointCloud, by the names of alias and topic",
@@ -85,48 +83,62 @@ def test_what_isnt_as_it_was_is_told(tmp_path):
         assert text in told
 
 
-def test_a_hostile_task_is_refused_by_name_and_nothing_runs(tmp_path, monkeypatch, capsys):
-    class Runs:
-        def __reduce__(self):
-            return os.system, ("touch ran",)
+@pytest.mark.parametrize("also", ["pick.yaml", ""])
+def test_files_of_the_first_editor_are_named_with_what_to_do_instead(also, tmp_path, capsys):
+    (tmp_path / "robot.ini").write_text("[root]\n")
+    assert main(["import", str(tmp_path / "robot.ini"), "--from", "grip", "-o", str(tmp_path / "out")]) == 1
+    told = capsys.readouterr().err
+    assert "robot.ini: files of the first GRIP's editor (.ini) aren't read: give the folder" in told
+    assert [each.name for each in tmp_path.iterdir()] == ["robot.ini"]
+    if also:
+        (tmp_path / also).write_text(PICK_AND_PLACE)
+        imported = import_grip(tmp_path)
+        assert "incomplete" in notes(imported)
+        assert "or draw the task anew" in notes(imported)
+        assert list(imported.tasks) == ["pick"]
+    else:
+        with pytest.raises(GripError, match=r"no task and no configuration(.|\n)*draw the task anew"):
+            import_grip(tmp_path)
 
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "bad.ini").write_text(f"[root]\ncontainer={variant(pickle.dumps(Runs(), 2))}\n")
-    assert main(["import", "bad.ini", "--from", "grip", "-o", "out"]) == 1
-    assert "bad.ini:2: root/container: the pickled data is refused: it names posix.system" in capsys.readouterr().err
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["bad.ini"]
+
+def test_the_collision_scene_of_a_folder_comes_along(tmp_path):
+    write_configuration(tmp_path)
+    (tmp_path / "files" / "table.scene").write_text("(noname)+\n.\n")
+    imported = import_grip(tmp_path)
+    assert imported.copies == {"table.scene": tmp_path / "files" / "table.scene"}
+    assert "scene: table.scene" in imported.files["grip.yaml"]
+    (tmp_path / "files" / "wall.scene").write_text("(noname)+\n.\n")
+    assert "wall.scene: taken instead of table.scene" in notes(import_grip(tmp_path))
 
 
-def counting(limit: str) -> Graph:
-    graph = Graph(["Task success", "Task failure"])
-    content = {"initial_value": "0", "end_value": limit, "output": "n"}
-    graph.add("count", "Counter", ["success", "finished"], content, named=False)
-    graph.begin("count")
-    graph.lead("count", "success", "count")
-    graph.lead("count", "finished", "Task success")
-    return graph
+COUNTING = """
+name: count
+outcomes: [Task success, Task failure]
+states:
+  - count: {source: counter, initial_value: 0, end_value: 4, output: n,
+      transitions: {success: count, finished: Task success}}
+"""
 
 
 @pytest.mark.parametrize("compile_task", [to_tree, to_machine])
 def test_a_counter_loop_counts_as_often_as_it_did(compile_task, tmp_path):
-    write_settings(tmp_path / "count.ini", {"root": counting("4")})
-    task = import_grip(tmp_path / "count.ini").tasks["count"]
+    (tmp_path / "count.yaml").write_text(COUNTING)
+    task = import_grip(tmp_path / "count.yaml").tasks["count"]
     compiled = compile_task(task, project_catalog(tmp_path))
     result = Runner(compiled, RunContext()).run()
     assert (result.outcome, compiled.data[""].cells["n"].value) == ("Task success", 4)
 
 
-def swinging(topic: str, timeout: str, group: str = "panda_arm") -> Graph:
+def swinging(topic: object, timeout: object, group: str = "panda_arm") -> str:
     """Return a task that follows a stored trajectory and then waits."""
-    graph = Graph(["Task success", "Task failure"])
-    graph.add("swing", "ExecuteTrajectory", TWO, {"group_name": group, "trajectory_name": "there"})
-    graph.add("wait", "WaitFor", TWO, {"topic_name": topic, "timeout": timeout})
-    graph.begin("swing")
-    graph.lead("swing", "success", "wait")
-    graph.lead("wait", "success", "Task success")
-    for state in ("swing", "wait"):
-        graph.lead(state, "failure", "Task failure")
-    return graph
+    ends = {"fail": "Task failure"}
+    swing = {"source": "execute_trajectory", "group_name": group, "trajectory_name": "there"}
+    wait = {"source": "wait_for", "topic_name": topic, "timeout": timeout}
+    states = [
+        {"swing": {**swing, "transitions": {"success": "wait", **ends}}},
+        {"wait": {**wait, "transitions": {"success": "Task success", **ends}}},
+    ]
+    return json.dumps({"name": "swing", "outcomes": ["Task success", "Task failure"], "states": states})
 
 
 GANTRY = "low: {x: 0.3, y: 0.1}\nhigh: {x: 0.3, y: -0.4}\n"
@@ -142,7 +154,7 @@ def test_a_stored_trajectory_is_followed_and_a_wait_waits(topic, target, tmp_pat
     write_configuration(source)
     (source / "files" / "joint_states.yaml").write_text(GANTRY)  # joints of the fake arm
     (source / "files" / "trajectories.yaml").write_text(THERE)
-    write_settings(source / "swing.ini", {"root": swinging(topic, "" if topic else "0.2")})
+    (source / "swing.yaml").write_text(swinging(topic, "" if topic else 0.2))
     main(["import", str(source), "--from", "grip", "-o", str(out)])
     told = capsys.readouterr().out
     assert "has no equivalent" not in told
@@ -159,21 +171,21 @@ def test_a_stored_trajectory_is_followed_and_a_wait_waits(topic, target, tmp_pat
 
 def test_waiting_is_for_a_topic_of_any_type_or_for_a_time(tmp_path):
     def waiting(topic, timeout):
-        write_settings(tmp_path / "swing.ini", {"root": swinging(topic, timeout)})
-        imported = import_grip(tmp_path / "swing.ini")
+        (tmp_path / "swing.yaml").write_text(swinging(topic, timeout))
+        imported = import_grip(tmp_path / "swing.yaml")
         node = imported.tasks["swing"].root.children["wait"]
         return node.node, dict(node.with_), "wait: " in notes(imported)
 
-    assert waiting("/done", "None") == ("ros/wait_for_message", {"topic": "/done", "timeout": None}, False)
-    assert waiting("done", "2.5") == ("ros/wait_for_message", {"topic": "/done", "timeout": 2.5}, False)
+    assert waiting("/done", None) == ("ros/wait_for_message", {"topic": "/done", "timeout": None}, False)
+    assert waiting("done", 2.5) == ("ros/wait_for_message", {"topic": "/done", "timeout": 2.5}, False)
     assert waiting("", "3") == ("flow/wait", {"seconds": 3.0}, False)
     assert waiting("", "") == ("flow/wait", {"seconds": 0.0}, True)
     assert waiting("done", "soon") == ("ros/wait_for_message", {"topic": "/done", "timeout": None}, True)
 
 
 def test_a_trajectory_of_a_hand_is_left_to_fill_in(tmp_path):
-    write_settings(tmp_path / "swing.ini", {"root": swinging("done", "1", group="gripper")})
-    imported = import_grip(tmp_path / "swing.ini")
+    (tmp_path / "swing.yaml").write_text(swinging("done", 1, group="gripper"))
+    imported = import_grip(tmp_path / "swing.yaml")
     assert imported.tasks["swing"].root.children["swing"].node == "original/execute_trajectory"
     assert "ExecuteTrajectory has no equivalent" in notes(imported)
 
@@ -352,33 +364,36 @@ def test_what_is_wrong_with_a_text_is_said(text, message, tmp_path):
 
 
 def test_random_and_damaged_task_files_are_imported_or_refused_with_words(tmp_path):
+    tasks = [to_data(parse(text, "t.yaml")) for text in (PICK_AND_PLACE, PICK)]
     whole = 0
     for seed in range(SEEDS):
         chance = random.Random(seed)
-        graphs = pick_and_place()
-        for graph in graphs.values():
-            _damage(graph, chance)
-        file = tmp_path / f"t{seed}.ini"
-        write_settings(file, graphs, chance.randrange(5))
-        if chance.random() < 0.3:
-            data = bytearray(file.read_bytes())
-            for _ in range(3):
-                data[chance.randrange(len(data))] = chance.randrange(256)
-            file.write_bytes(bytes(data))
+        task = copy.deepcopy(chance.choice(tasks))
+        for _ in range(chance.randrange(3)):
+            _damage(task, chance)
+        data = bytearray(json.dumps(task), "utf-8")
+        for _ in range(chance.choice((0, 0, 3))):
+            data[chance.randrange(len(data))] = chance.randrange(256)
+        file = tmp_path / f"t{seed}.yaml"
+        file.write_bytes(bytes(data))
         with suppress(GripError):  # any other error fails the test
             whole += bool(import_grip(file).tasks)
     assert whole > SEEDS // 4
 
 
-def _damage(graph: Graph, chance: random.Random) -> None:
-    """Do what an editor's faults, or a hand, may do to a graph."""
-    for entries in (graph.connectors, graph.states):
-        if entries and chance.random() < 0.15:
-            entries.pop(chance.randrange(len(entries)))
-    if chance.random() < 0.1 and graph.states:
-        entry = chance.choice(graph.states)
-        entry[chance.choice(["name", "type", "content", "output_sockets", "input_socket"])] = chance.choice(
-            [None, 3, "", [], {}, [1, 2, 3], "x" * 50]
-        )
-    if chance.random() < 0.1:
-        chance.choice(graph.connectors or [{}])["end"] = chance.choice([None, 7, "y", []])
+def _damage(found, chance: random.Random) -> None:
+    """Do what a hand may do to a file: put something else, or nothing, anywhere."""
+    places = []
+
+    def walk(value):
+        for key, each in value.items() if isinstance(value, dict) else enumerate(value):
+            places.append((value, key))
+            if isinstance(each, dict | list):
+                walk(each)
+
+    walk(found)
+    holder, key = chance.choice(places)
+    if chance.random() < 0.3:
+        del holder[key]
+    else:
+        holder[key] = chance.choice([None, 3, -1.5, "", [], {}, [1, 2, 3], {"a": []}, [None], "params.x", "x" * 50])

@@ -13,9 +13,9 @@ const SOURCES: readonly [ImportRequest["source"], string, string, boolean][] = [
   ["smach", "SMACH state machine (.py)", ".py", true],
   ["btcpp", "BehaviorTree.CPP 4 (.xml)", ".xml", false],
   ["pytrees", "py_trees (.xml, or .py that builds a tree)", ".xml", true],
-  ["grip", "the first GRIP (a folder, .ini or .yaml)", "", false],
+  ["grip", "the first GRIP (a folder or .yaml)", "", false],
 ];
-const ENDS: Record<ImportRequest["source"], RegExp> = { smach: /\.py$/, btcpp: /\.xml$/, pytrees: /\.(xml|py)$/, grip: /\.(ini|yaml)$/ };
+const ENDS: Record<ImportRequest["source"], RegExp> = { smach: /\.py$/, btcpp: /\.xml$/, pytrees: /\.(xml|py)$/, grip: /\.yaml$/ };
 
 export function ImportForm(): JSX.Element {
   const [source, setSource] = useState<ImportRequest["source"]>("smach");
