@@ -133,7 +133,7 @@ class SmachLeaf(KeysLeaf):
 
     def is_running(self) -> bool:
         activation = self._activation
-        return self._relives or (activation is not None and not activation.done())
+        return self._relives or (activation is not None and not activation.over.done())
 
     def replay_begun(self) -> None:
         """Be among what runs, with the flag that it began with."""
