@@ -33,21 +33,25 @@ class World:
 
 
 @contextmanager
-def simulated_robot(folder: Path, domain: int, *options: str) -> Iterator[World]:
+def simulated_robot(
+    folder: Path, domain: int, *options: str, project: str = PROJECT, world: str = "table"
+) -> Iterator[World]:
     """Serve a simulated robot from a folder until the block ends.
 
     Args:
         folder: gets the project's file; what it says goes to `sim.txt` beside it.
         domain: the DDS domain.
         options: of `grip sim`.
+        project: its grip.yaml.
+        world: its name.
     """
     from grip_bt.ros.interfaces.build import ensure_package
     from grip_bt.ros.process import child_environment
 
     ensure_package("control_msgs")
-    (folder / "grip.yaml").write_text(PROJECT)
+    (folder / "grip.yaml").write_text(project)
     log = folder / "sim.txt"
-    command = [sys.executable, "-m", "grip_bt.cli", "sim", "table", *options]
+    command = [sys.executable, "-m", "grip_bt.cli", "sim", world, *options]
     with log.open("w") as out:
         process = subprocess.Popen(
             command, cwd=folder, env=child_environment((), domain), stdout=out, stderr=subprocess.STDOUT, text=True

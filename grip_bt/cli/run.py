@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.runs.execute import MOST_SEED, WATCHDOG, RunOptions, open_session
-from grip_bt.app.runs.mocks import read_faults, read_mocks
+from grip_bt.app.runs.mocks import read_mocks
 from grip_bt.app.runs.replay import failures, journal_of
 from grip_bt.app.runs.resume_plan import ResumePlan, agree, plan_resume
 from grip_bt.app.runs.supervisor import Supervisor
@@ -25,6 +25,7 @@ from grip_bt.cli.parser import add_no_code, number, whole
 from grip_bt.cli.terminal import on_stop, progress, tell
 from grip_bt.runtime import JournalReader, RunResult, serve_control
 from grip_bt.runtime.control import RunEnd, result_facts
+from grip_sim.faults import read_faults
 
 _EXIT_STATUS = {"success": DONE, "failure": FAILURE, "error": NODE_ERROR, "died": NODE_ERROR, "stopped": STOPPED}
 

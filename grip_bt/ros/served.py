@@ -1,10 +1,4 @@
-"""What we serve to others: measured joints and a camera on topics, an executor as a joint trajectory controller.
-
-A goal begins when it is accepted, as ros2_control's joint_trajectory_controller does it, from where the joints are and
-as fast as they move then, by a cubic spline through its points; one that comes while another is followed takes its
-place, and the other is aborted. One that is cancelled ends as such when the joints have come to rest; until then its
-owner hears, by feedback, where the joints should be and are.
-"""
+"""What we serve to others of a robot: measured joints, frames, a camera and the time, on topics."""
 
 from __future__ import annotations
 
@@ -12,19 +6,14 @@ import threading
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 
-import numpy as np
-from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.task import Future
 
 from grip_bt.base.errors import GripError
-from grip_bt.base.failures import CanceledError
-from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Camera, Executor
-from grip_bt.base.values import DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
+from grip_bt.base.values import DepthImage, Image, Pose, RgbdFrame
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import Tree
 from grip_bt.ros.client.bus import Bus
@@ -35,7 +24,6 @@ from grip_bt.ros.convert_values import (
     header,
     image_to_message,
     pose_to_transform_stamped,
-    seconds,
 )
 from grip_bt.ros.interfaces.build import ensure_package
 
@@ -159,166 +147,6 @@ class CameraPublisher(Published):
             message.header.stamp.sec, message.header.stamp.nanosec = int(stamp), int(stamp % 1 * 1e9)
             message.header.frame_id = self.frame
             self._writers[part].publish(message)
-
-
-ACTION = "control_msgs/action/FollowJointTrajectory"
-AT_ONCE = 0.01
-"""How long joints take that are to be elsewhere at once [s]."""
-TELL = 0.05
-"""How often feedback tells where the joints are [s]."""
-NEAR = 1e-3
-"""A first point that is due sooner is where the motion begins [s]."""
-
-
-class TrajectoryActionServer:
-    """Serves one action; made, used and closed from any thread.
-
-    Args:
-        action: such as `/arm_controller/follow_joint_trajectory`.
-    """
-
-    def __init__(self, bus: Bus, action: str, executor: Executor):
-        ensure_package("control_msgs")
-        self.action, self._bus, self._executor = action, bus, executor
-        self._type = load_type(ACTION)
-        self._lock = threading.Lock()
-        self._newest: _Goal | None = None
-        self._goals: dict[bytes, _Goal] = {}
-        self._server = bus.ask(self._make)
-
-    def close(self) -> None:
-        """End a motion under way, and take no more goals."""
-        self._executor.stop()
-        self._bus.post(lambda: self._server.destroy()).wait(2.0)
-
-    # --- on the bus's thread ---
-
-    def _make(self) -> ActionServer:
-        return ActionServer(
-            self._bus.node,
-            self._type,
-            self.action,
-            execute_callback=self._ended,
-            goal_callback=self._asked,
-            handle_accepted_callback=self._accepted,
-            cancel_callback=self._cancel,
-        )
-
-    def _asked(self, goal: Message) -> GoalResponse:
-        points, names = goal.trajectory.points, list(goal.trajectory.joint_names)
-        times = [seconds(p.time_from_start) for p in points]
-        rising = all(a < b for a, b in zip(times, times[1:], strict=False))
-        whole = all(len(p.positions) == len(names) and np.isfinite(p.positions).all() for p in points)
-        fits = set(names) == set(self._executor.joint_names) and len(names) == len(set(names))
-        return GoalResponse.ACCEPT if points and fits and rising and whole and times[0] >= 0 else GoalResponse.REJECT
-
-    def _accepted(self, handle: ServerGoalHandle) -> None:
-        turn: Operation[None] = Operation(on_cancel=lambda: None)  # it ends when the motion can begin
-        goal = _Goal(handle, Future(executor=self._bus.node.executor), turn, turn.then(lambda _: self._begin(goal)))
-        self._goals[bytes(handle.goal_id.uuid)] = self._newest = goal
-        goal.motion.add_done_callback(partial(self._over, goal))
-        handle.execute()
-        # Not on this thread: the executor may have to ask another process where the joints are.
-        threading.Thread(target=self._follow, args=(goal,), name="grip_follow", daemon=True).start()
-
-    def _over(self, goal: _Goal) -> None:
-        self._bus.post(lambda: goal.future.set_result(_error_of(goal.motion)))
-
-    async def _ended(self, handle: ServerGoalHandle) -> Message:
-        error = await self._goals[bytes(handle.goal_id.uuid)].future
-        del self._goals[bytes(handle.goal_id.uuid)]
-        result = self._type.Result()
-        if error is None:
-            handle.succeed()
-            return result
-        result.error_string = str(error)
-        if isinstance(error, CanceledError) and handle.is_cancel_requested:
-            handle.canceled()
-            return result
-        replaced = isinstance(error, CanceledError)
-        result.error_code = result.INVALID_GOAL if replaced else result.PATH_TOLERANCE_VIOLATED
-        handle.abort()
-        return result
-
-    def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
-        goal = self._goals.get(bytes(handle.goal_id.uuid))
-        if goal is None:
-            return CancelResponse.REJECT  # it has ended
-        goal.motion.cancel()
-        return CancelResponse.ACCEPT
-
-    # --- on a goal's thread ---
-
-    def _follow(self, goal: _Goal) -> None:
-        with self._lock:
-            if goal is self._newest and goal.motion.cancel_asked:
-                self._executor.stop()  # it has taken the place of another one all the same
-            goal.turn.succeed(None)
-        began = time.monotonic()
-        while not goal.motion.wait(TELL):
-            self._tell(goal.handle, goal.path, time.monotonic() - began)
-
-    def _begin(self, goal: _Goal) -> Operation[JointState]:
-        if goal is not self._newest:  # threads come here in any order, and a later goal takes the place of this one
-            raise CanceledError("a newer goal came")
-        asked = goal.handle.request.trajectory
-        goal.path = continued(list(asked.joint_names), asked.points, self._executor.state())
-        return self._executor.execute(goal.path)
-
-    def _tell(self, handle: ServerGoalHandle, path: Trajectory, passed: float) -> None:
-        try:
-            now = self._executor.state()
-        except GripError:
-            return  # the motion ends of the same
-        feedback = self._type.Feedback(joint_names=list(path.names))
-        feedback.header.stamp = self._bus.node.get_clock().now().to_msg()
-        position, velocity, _ = path.sampled(np.array([passed]))
-        measured = now.ordered(path.names)
-        feedback.desired.positions, feedback.desired.velocities = position[0].tolist(), velocity[0].tolist()
-        feedback.actual.positions, feedback.error.positions = measured.tolist(), (position[0] - measured).tolist()
-        self._bus.post(lambda: handle.is_active and handle.publish_feedback(feedback))
-
-
-@dataclass
-class _Goal:
-    """A goal that was accepted, and the motion that follows it; a cancel may come before that is begun."""
-
-    handle: ServerGoalHandle
-    future: Future
-    turn: Operation[None]
-    motion: Operation[JointState]
-    path: Trajectory = field(init=False)
-
-
-def _error_of(motion: Operation[JointState]) -> Exception | None:
-    try:
-        motion.result()
-    except (GripError, ValueError) as error:
-        return error
-    return None
-
-
-def continued(names: Sequence[str], points: Sequence[Message], state: JointState) -> Trajectory:
-    """Return a trajectory through given points that begins where the joints are, as fast as they move.
-
-    Args:
-        points: of the message; times from now, the first may be later than 0. Velocities that aren't given are those of
-            a curve through the points that rests at its end.
-    """
-    order = [names.index(name) for name in state.names]
-    late = [point for point in points if seconds(point.time_from_start) > NEAR]
-    if not late:  # only where it is to be at once
-        late, times = [points[-1]], np.array([0.0, AT_ONCE])
-    else:
-        times = np.array([0.0, *(seconds(point.time_from_start) for point in late)])
-    positions = np.array([state.position, *(np.array(point.positions)[order] for point in late)])
-    now = np.zeros(len(state.names)) if state.velocity is None else state.velocity
-    if all(len(point.velocities) == len(names) for point in late):
-        velocities = np.array([now, *(np.array(point.velocities)[order] for point in late)])
-    else:
-        velocities = np.gradient(positions, times, axis=0)
-        velocities[0], velocities[-1] = now, 0.0
-    return Trajectory(state.names, times, positions, velocities)
 
 
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

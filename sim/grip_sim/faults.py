@@ -6,7 +6,7 @@ that the same run meets the same faults.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple, Protocol
 from zlib import crc32
@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
-from grip_bt.base.errors import GripError, UnknownNameError
-from grip_bt.base.yaml.models import Finite, NotNegative, Positive, Settings
+from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
+from grip_bt.base.yaml.models import Finite, NotNegative, Positive, Settings, check_model
+from grip_bt.base.yaml.tree import parse
 from grip_bt.commanders.description.robot import RobotDescription
 
 Vector = tuple[Finite, Finite, Finite]
@@ -164,15 +165,27 @@ class Faults:
     """Has the faults of a world happen."""
 
     def __init__(self, faults: Mapping[str, Fault], seed: int, world: Disturbed):
-        self._faults, self._seed, self._world = faults, seed, world
+        self._faults, self._seed, self._world = dict[str, Fault](), seed, world
         self._due: list[_Due] = []
-        self._counts = dict.fromkeys(faults, 0)
-        self._happened = dict.fromkeys(faults, 0)
+        self._counts, self._happened = dict[str, int](), dict[str, int]()
         self._on: dict[str, Fault] = {}
         self._told: list[Event] = []
         for name, fault in faults.items():
-            if not fault.node:
-                self._draw(name, 0.0)
+            self.add(name, fault)
+
+    def add(self, name: str, fault: Fault) -> None:
+        """Have another fault; its times are from now on."""
+        self._faults[name] = fault
+        self._counts[name] = self._happened[name] = 0
+        if not fault.node:
+            self._draw(name, self._world.time)
+
+    def forget(self, name: str) -> None:
+        """Leave an object alone that isn't there any more."""
+        self._faults = {key: fault for key, fault in self._faults.items() if fault.of != name}
+        self._due = [due for due in self._due if due.name in self._faults]
+        for due in self._due:
+            due.on = tuple(each for each in due.on if each != name)
 
     def entered(self, node: str) -> None:
         """A node of the task begins."""
@@ -261,3 +274,23 @@ class Faults:
 def darkened(image: NDArray[np.uint8], factor: float) -> NDArray[np.uint8]:
     """Return colours of shape (height, width, 3) uint8, multiplied and kept within 0-255."""
     return image if factor == 1.0 else np.clip(np.rint(image * factor), 0, 255).astype(np.uint8)
+
+
+class _Given(Settings):
+    faults: dict[str, Fault]
+
+
+def read_faults(given: Sequence[str]) -> dict[str, Fault]:
+    """Return by name faults that are given one by one, `NAME: {fault: drop, node: attempt/lift}` as in a world's file.
+
+    Raises DocumentError where one isn't a fault, or two have one name.
+    """
+    found: dict[str, Fault] = {}
+    for text in given:
+        read, wrong = check_model(parse(f"faults: {{{text}}}", "--fault"), _Given, "--fault")
+        if read is None:
+            raise DocumentError(f"{text}: {'; '.join(message for message, _, _ in wrong)}", "--fault")
+        if twice := found.keys() & read.faults:
+            raise DocumentError(f"two faults are called {min(twice)!r}", "--fault")
+        found |= read.faults
+    return found

@@ -25,9 +25,10 @@ from grip_bt.base.values import Pose
 from grip_bt.commanders.trajectory.stopping import even_ramp
 from grip_sim.cameras.rig import Film
 from grip_sim.connection import Arrays, ClosedError, pack, receive
+from grip_sim.faults import Fault
 from grip_sim.motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
 from grip_sim.referee import judge
-from grip_sim.specs import CameraSpec, WorldSpec
+from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 from grip_sim.world import World
 
 STEPS_PER_LOOK = 4
@@ -157,22 +158,28 @@ class Server:
         for _ in range(STEPS_PER_LOOK):
             if self._in_turns and self._until is not None and self.world.time >= self._until:
                 return self._call_stand()
-            ends = [(number, end) for number, motion in self._motions.items() if (end := self._advanced(motion))]
-            for number, end in ends:
-                self._finish(number, end)
-            if ends and self._in_turns:
+            if self._end_what_is_over() and self._in_turns:
                 return self._call_stand()
             if not self._motions and not self._in_turns:
                 return
-            self.world.step()
-            self._tell_faults()
-            if self._film is not None:
-                self._film.stepped(self.world.time)
+            self._step()
         if self._pace is not None:  # messages are obeyed meanwhile, so that a stop isn't late
             self._due = began + STEPS_PER_LOOK * self.world.spec.dt / self._pace
         if time.monotonic() - self._told > TELL_TIME:
             self._told = time.monotonic()
             self._send({"id": 0})
+
+    def _end_what_is_over(self) -> bool:
+        ends = [(number, end) for number, motion in self._motions.items() if (end := self._advanced(motion))]
+        for number, end in ends:
+            self._finish(number, end)
+        return bool(ends)
+
+    def _step(self) -> None:
+        self.world.step()
+        self._tell_faults()
+        if self._film is not None:
+            self._film.stepped(self.world.time)
 
     def _advanced(self, motion: Motion) -> Ended | None:
         faults = self.world.faults
@@ -222,6 +229,14 @@ class Server:
 
     def _call_resume(self, number: int) -> None:
         self._frozen = False
+
+    def _call_step(self, number: int, steps: int) -> None:
+        """Let some steps of time pass in a pause."""
+        if not self._frozen:
+            raise GripError("single steps are for a world that is paused")
+        for _ in range(steps):
+            self._end_what_is_over()
+            self._step()
 
     def _call_take_turns(self, number: int) -> None:
         self._in_turns, self._going = True, False
@@ -337,13 +352,25 @@ class Server:
     def _call_move_object(self, number: int, name: str, position: list[float], quaternion: list[float]) -> None:
         self.world.move_object(name, Pose(position, quaternion))
 
+    def _call_spawn(self, number: int, spec: dict[str, Any]) -> None:
+        self.world.spawn(TypeAdapter(ObjectSpec).validate_python(spec))
+
+    def _call_remove(self, number: int, name: str) -> None:
+        self.world.remove(name)
+
+    def _call_inject(self, number: int, name: str, fault: dict[str, Any]) -> None:
+        self.world.inject(name, Fault.model_validate(fault))
+
     def _call_entered(self, number: int, node: str) -> None:
         self.world.faults.entered(node)
         self._tell_faults()
 
-    def _call_put_back(self, number: int, **kept: Array) -> None:
-        if self._motions:
+    def _call_put_back(self, number: int, cancel: bool, **kept: Array) -> None:
+        moving = [number for number, motion in self._motions.items() if motion.rows.size]
+        if moving and not cancel:
             raise GripError("a world can only be restored while nothing moves")
+        for each in moving:
+            self._finish(each, Ended("canceled", "the world was put back"))
         self.world.put_back(kept)
 
 

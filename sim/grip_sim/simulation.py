@@ -9,6 +9,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError, UnknownNameError
@@ -17,8 +18,9 @@ from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, Pose,
 from grip_bt.commanders.description.load import load_robot
 from grip_sim.client import SimClient
 from grip_sim.connection import Reply
+from grip_sim.faults import Fault
 from grip_sim.referee import ObjectTruth
-from grip_sim.specs import CameraSpec, WorldSpec
+from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 
 _log = logging.getLogger(__name__)
 
@@ -236,9 +238,34 @@ class Simulation(SimClient):
         """Return everything that moves in the world, and how, for `put_back` in another process."""
         return dict(self.ask("kept").arrays)
 
-    def put_back(self, kept: Mapping[str, Array]) -> None:
-        """Bring everything to where it was kept. Raises GripError where that was another world, or something moves."""
-        self.ask("put_back", dict(kept))
+    def put_back(self, kept: Mapping[str, Array], cancel: bool = False) -> None:
+        """Bring everything to where it was kept.
+
+        Args:
+            cancel: what moves is canceled; else it mustn't.
+
+        Raises:
+            GripError: it was kept in another world, or something moves.
+        """
+        self.ask("put_back", dict(kept), cancel=cancel)
+
+    def spawn(self, spec: ObjectSpec) -> None:
+        """Add an object. Raises GripError where something has its name."""
+        self.ask("spawn", spec=TypeAdapter(ObjectSpec).dump_python(spec, mode="json"))
+        self.spec = replace(self.spec, objects=(*self.spec.objects, spec))
+
+    def remove(self, name: str) -> None:
+        """Take an object away. Raises GripError where there is no such object."""
+        self.ask("remove", name=name)
+        self.spec = replace(self.spec, objects=tuple(each for each in self.spec.objects if each.name != name))
+
+    def inject(self, name: str, fault: Fault) -> None:
+        """Have something go wrong from now on. Raises GripError where it names what isn't there."""
+        self.ask("inject", name=name, fault=fault.model_dump(mode="json", exclude_defaults=True))
+
+    def step(self, steps: int) -> None:
+        """Let steps of `spec.dt` pass in a pause. Raises GripError where there is none."""
+        self.ask("step", steps=steps)
 
     def pause(self) -> None:
         self.ask("pause")

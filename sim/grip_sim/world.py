@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,7 +23,7 @@ from grip_sim.cameras import Frame
 from grip_sim.cameras.looks import Target, visuals_of
 from grip_sim.cameras.mesh_files import Look
 from grip_sim.cameras.rig import Rig
-from grip_sim.faults import Faults
+from grip_sim.faults import Fault, Faults, check_faults
 from grip_sim.objects import load_object
 from grip_sim.physics import FIXED, SLIPPERY, SOLID, add_model, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
@@ -86,14 +87,14 @@ class World:
             for name, said in spec.articulated.items()
         }
         mechanisms = self.articulated.values()
-        self._touchable = frozenset(self._objects) | {link.name for each in mechanisms for link in each.links}
+        self._mechanisms = frozenset(link.name for each in mechanisms for link in each.links)
         self._slipping = {hand: Slipping() for hand in self._fingers}
         self.steps = 0
         """How often it was advanced."""
         self._moved: set[str] = set()
         self.faults = Faults(spec.faults, spec.seed, self)
         links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
-        seen = [*still, *self._robot_targets(), *self._object_targets(), *links]
+        seen = [*still, *self._robot_targets(), *map(self._object_target, spec.objects), *links]
         self._shaking = self._watch()
         self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links}, self.faults)
 
@@ -133,6 +134,29 @@ class World:
         set_moving(body, np.array([*pose.position, *pose.quaternion, *np.zeros(6)]))
         body.wake_up()
         self._moved.add(name)
+
+    def spawn(self, spec: ObjectSpec) -> None:
+        """Add an object. Raises ValueError where something has its name."""
+        check_names(replace(self.spec, objects=(*self.spec.objects, spec)), (link.name for link in self.robot.links))
+        self.spec = replace(self.spec, objects=(*self.spec.objects, spec))
+        self._objects[spec.name] = self._add_object(spec)
+        self.cameras.show([*self.cameras.targets, self._object_target(spec)])
+
+    def remove(self, name: str) -> None:
+        """Take an object away. Raises UnknownNameError where there is no such object."""
+        self._object(name).entity.remove_from_scene()
+        self.faults.forget(name)
+        del self._objects[name]
+        self.spec = replace(self.spec, objects=tuple(each for each in self.spec.objects if each.name != name))
+        self.cameras.show([each for each in self.cameras.targets if each.name != name])
+
+    def inject(self, name: str, fault: Fault) -> None:
+        """Have something go wrong from now on. Raises GripError where it names what isn't there."""
+        robot, cameras = self.robot.description, [camera.name for camera in self.spec.cameras]
+        for error in check_faults({name: fault}, robot, self._objects, cameras, ()):
+            raise error
+        self.faults.add(name, fault)
+        self.cameras.remember(fault.lag or 0.0)
 
     def held_objects(self) -> list[str]:
         """Return the objects that a hand touches."""
@@ -203,7 +227,8 @@ class World:
             if (one in fingers) == (two in fingers):
                 continue  # names take their time, and most contacts are of others
             link, body = (one, two) if one in fingers else (two, one)
-            if body.entity.name in self._touchable and body.entity.name not in self._moved:
+            name = body.entity.name
+            if (name in self._objects or name in self._mechanisms) and name not in self._moved:
                 yield link, body, contact
 
     def measures(self) -> dict[str, float]:
@@ -300,10 +325,9 @@ class World:
                 colour = HAND_COLOUR if hand else ARM_COLOUR
                 yield Target(link, link.name, colour, visuals.get(link.name))
 
-    def _object_targets(self) -> Iterator[Target]:
-        for spec in self.spec.objects:
-            visuals = partial(_looks_of, spec) if spec.shape == "model" else None
-            yield Target(self._objects[spec.name], spec.name, spec.colour, visuals)
+    def _object_target(self, spec: ObjectSpec) -> Target:
+        visuals = partial(_looks_of, spec) if spec.shape == "model" else None
+        return Target(self._objects[spec.name], spec.name, spec.colour, visuals)
 
 
 def check_names(spec: WorldSpec, links: Iterable[str]) -> None:

@@ -11,11 +11,11 @@ from types import SimpleNamespace
 import pytest
 
 from grip_bt.app.runs.execute import RunOptions, open_session
-from grip_bt.app.runs.mocks import injected, read_faults
+from grip_bt.app.runs.mocks import injected
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.runtime import JournalReader
-from grip_sim.faults import Fault
+from grip_sim.faults import Fault, read_faults
 
 TASK = """
 grip: 1

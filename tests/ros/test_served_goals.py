@@ -33,12 +33,12 @@ class Held:
 def test_an_older_goal_never_takes_the_place_of_a_newer_one(order, monkeypatch):
     from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-    from grip_bt.ros import served as module
+    from grip_bt.ros import served_controllers as module
 
     monkeypatch.setattr(module, "threading", SimpleNamespace(Thread=Held, Lock=threading.Lock))
     Held.threads.clear()
     followed = []
-    served = object.__new__(module.TrajectoryActionServer)
+    served = object.__new__(module.TrajectoryController)
     served._bus = SimpleNamespace(post=lambda work: work(), node=SimpleNamespace(executor=None))
     served._executor = SimpleNamespace(
         state=lambda: JointState(("a",), np.zeros(1), np.zeros(1)),

@@ -14,8 +14,7 @@ from pydantic import ValidationError
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.base.yaml.models import Settings, check_model, read_model
-from grip_bt.base.yaml.tree import parse
+from grip_bt.base.yaml.models import Settings, read_model
 from grip_bt.compilers.binding import LeafFactory, implementation_of
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.nodes.mock import MockLeaf, MockStep
@@ -144,26 +143,6 @@ def _replaced(
     if all(new[name] is child for name, child in children.items()):
         return node
     return node.model_copy(update={"children" if hasattr(node, "children") else "child": FrozenDict(new)})
-
-
-class _Given(Settings):
-    faults: dict[str, Fault]
-
-
-def read_faults(given: Sequence[str]) -> dict[str, Fault]:
-    """Return by name the faults of a command line, `NAME: {fault: drop, node: attempt/lift}` as in a world's file.
-
-    Raises DocumentError where one isn't a fault, or two have one name.
-    """
-    found: dict[str, Fault] = {}
-    for text in given:
-        read, wrong = check_model(parse(f"faults: {{{text}}}", "--fault"), _Given, "--fault")
-        if read is None:
-            raise DocumentError(f"{text}: {'; '.join(message for message, _, _ in wrong)}", "--fault")
-        if twice := found.keys() & read.faults:
-            raise DocumentError(f"two faults are called {min(twice)!r}", "--fault")
-        found |= read.faults
-    return found
 
 
 def check_nodes(faults: Mapping[str, Fault], nodes: Collection[str]) -> None:

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
+
+import numpy as np
 
 from grip_bt.app.project.faults import check, faults_of_cameras, jerks_of_arms
 from grip_bt.app.project.folder import Project
 from grip_bt.app.project.worlds import room_of, world_of
 from grip_bt.app.wiring.parts import Progress
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError, MissingPartError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
-from grip_bt.base.values import JointState, Trajectory
+from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.interfaces.build import shell_setup
@@ -25,12 +29,23 @@ from grip_bt.ros.served import (
     ClockPublisher,
     JointStatePublisher,
     RobotStatePublisher,
-    TrajectoryActionServer,
 )
+from grip_bt.ros.served_controllers import (
+    MANAGER,
+    Controller,
+    ControllerManager,
+    GripperController,
+    TrajectoryController,
+)
+from grip_bt.ros.served_world import SimulationServices
+from grip_sim.faults import read_faults
 from grip_sim.simulation import Simulation, start_simulation
-from grip_sim.specs import CameraSpec
+from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
+from grip_sim.worlds import object_at
 
 JOINT_STATES = "/joint_states"
+PACKAGES = ("control_msgs", "controller_manager_msgs", "grip_msgs", "simulation_interfaces", "tf2_msgs")
+"""Of the interfaces that clients need."""
 SOON = 0.1
 """Fingers take so long at least [s]."""
 LONG = 60.0
@@ -96,9 +111,19 @@ def serve_world(
             name: _PressingFingers(simulation.hand(group)) if name in project.file.hands else simulation.executor(group)
             for name, group in groups.items()
         }
+        controllers = []
         for name, executor in executors.items():
-            stack.callback(TrajectoryActionServer(bus, actions[name], executor).close)
-            progress("controller", f"{actions[name]}: {len(executor.joint_names)} joints of {name}")
+            way, action = actions[name]
+            made: Controller
+            if way == "gripper":
+                made = GripperController(bus, action, simulation.hand(groups[name]))
+            else:
+                made = TrajectoryController(bus, action, executor)
+            stack.callback(made.close)
+            controllers.append(made)
+            progress("controller", f"{action}: {len(executor.joint_names)} joints of {name}")
+        ControllerManager(bus, controllers)
+        progress("controllers", ", ".join(f"{MANAGER}/{name}" for name in ("list_controllers", "switch_controller")))
         joints = project.file.ros.joint_states if project.file.ros is not None else JOINT_STATES
         now = (lambda: simulation.clock.simulated) if simulated_time else time.time
         measured = tuple(executors.values())
@@ -119,11 +144,11 @@ def serve_world(
         stack.callback(RobotStatePublisher(bus, project.description(), measured, fixed, now=now).close)
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
-        controllers = {name: {"trajectory": action} for name, action in actions.items()}
-        settings = {"ros": {"joint_states": joints, "controllers": controllers, "cameras": cameras}}
-        yield Served(
-            simulation, settings, scene_text("room", room_of(simulation.spec)), shell_setup("control_msgs", "tf2_msgs")
-        )
+        whole = _World(simulation, partial(world_of, project, world=world), project)
+        progress("world", ", ".join(SimulationServices(bus, whole, now).names))
+        reached = {name: {way: action} for name, (way, action) in actions.items()}
+        settings = {"ros": {"joint_states": joints, "controllers": reached, "cameras": cameras}}
+        yield Served(simulation, settings, scene_text("room", room_of(simulation.spec)), shell_setup(*PACKAGES))
 
 
 class _PressingFingers:
@@ -154,18 +179,75 @@ class _PressingFingers:
         self._hand.stop()
 
 
-def _action(project: Project, name: str) -> str:
-    """Return the action of an arm or a hand. Raises GripError: it is reached in another way, which isn't simulated."""
+def _action(project: Project, name: str) -> tuple[str, str]:
+    """Return the kind and the name of an action of an arm or a hand.
+
+    Raises GripError: it is reached in another way, which isn't simulated, or it is no gripper.
+    """
     controllers = project.file.ros.controllers if project.file.ros is not None else {}
     if name not in controllers:
-        return f"/{name}_controller/follow_joint_trajectory"
-    action = controllers[name].trajectory
-    if action is None:
-        where = f"grip.yaml: ros/controllers/{name}"
+        return "trajectory", f"/{name}_controller/follow_joint_trajectory"
+    said, where = controllers[name], f"grip.yaml: ros/controllers/{name}"
+    if said.trajectory is not None:
+        return "trajectory", said.trajectory
+    if said.gripper is None:
         raise GripError(
-            f"{where}: only `trajectory` controllers are simulated; give the simulation a project of its own"
+            f"{where}: only `trajectory` and `gripper` controllers are simulated; "
+            "give the simulation a project of its own"
         )
-    return action
+    joints = project.description().group(project.file.hands[name].group)
+    if len(joints) != 1:
+        raise GripError(f"{where}: a gripper has one driven joint, and {name} has {len(joints)}: say `trajectory`")
+    return "gripper", said.gripper
+
+
+class _World:
+    """Implements `grip_bt.ros.served_world.SimulatedWorld`.
+
+    Args:
+        drawn: returns the world as a seed draws it.
+    """
+
+    def __init__(self, simulation: Simulation, drawn: Callable[[int], WorldSpec], project: Project):
+        self._simulation, self._drawn, self._project = simulation, drawn, project
+        self._first = self._saved = simulation.spec.objects, simulation.kept()
+        self.pause, self.resume, self.step = simulation.pause, simulation.resume, simulation.step
+        self.remove, self.place = simulation.remove, simulation.referee.move_object
+
+    def objects(self) -> Mapping[str, tuple[Pose, Array]]:
+        kept = self._simulation.kept()
+        rows = zip(kept["poses"].tolist(), kept["object_speeds"], strict=True)
+        names = (spec.name for spec in self._simulation.spec.objects)
+        return {name: (Pose(row[:3], row[3:]), speeds) for name, (row, speeds) in zip(names, rows, strict=True)}
+
+    def spawn(self, name: str, resource: str, pose: Pose) -> None:
+        self._simulation.spawn(object_at(name, resource, pose, self._project.folder))
+
+    def reset(self, seed: int | None = None) -> None:
+        if seed is not None:
+            objects = self._drawn(seed).objects
+            poses = np.array([[*each.pose.position, *each.pose.quaternion] for each in objects]).reshape(-1, 7)
+            self._first = objects, {**self._first[1], "poses": poses, "object_speeds": np.zeros((len(objects), 6))}
+        self._put_back(*self._first)
+
+    def save(self) -> None:
+        self._saved = self._simulation.spec.objects, self._simulation.kept()
+
+    def restore(self) -> None:
+        self._put_back(*self._saved)
+
+    def _put_back(self, objects: Sequence[ObjectSpec], kept: Mapping[str, Array]) -> None:
+        simulation = self._simulation
+        if simulation.spec.objects != objects:
+            for there in simulation.spec.objects:
+                simulation.remove(there.name)
+            for wanted in objects:
+                simulation.spawn(wanted)
+        simulation.put_back(kept, cancel=True)
+
+    def inject(self, name: str, fault: str) -> None:
+        for each, read in read_faults([f"{name}: {fault}"]).items():
+            self._simulation.inject(each, read)
 
 
 def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any]:

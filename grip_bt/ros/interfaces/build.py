@@ -158,6 +158,7 @@ DEPENDENCIES: dict[str, tuple[str, ...]] = {
     "controller_manager_msgs": (),
     "tf2_msgs": (),
     "octomap_msgs": (),
+    "simulation_interfaces": (),
     "smach_msgs": (),
     "object_recognition_msgs": (),
     "moveit_msgs": ("object_recognition_msgs", "octomap_msgs"),

@@ -33,24 +33,40 @@ class Rig:
         faults: Faults,
     ):
         self._faults, self._last = faults, dict[str, Frame]()
-        self._seed, self._targets = spec.seed, list(targets)
+        self._seed = spec.seed
         self._specs = {camera.name: camera for camera in spec.cameras}
         carriers = dict.fromkeys(camera.link for camera in spec.cameras if camera.link is not None)
         for name in carriers:
             if name not in links:
                 raise UnknownNameError("link", name, links, "a camera's `link`")
-        self._bodies = [*(target.body for target in targets), *(links[name] for name in carriers)]
-        self._rows = {name: len(targets) + i for i, name in enumerate(carriers)}
+        self._carriers = {name: links[name] for name in carriers}
         self._taken = dict.fromkeys(self._specs, 0)
         self._renderers: dict[CameraSpec, Renderer] = {}
-        late = max((camera.noise.latency for camera in spec.cameras if camera.noise is not None), default=0.0)
-        late += max((fault.lag or 0.0 for fault in spec.faults.values()), default=0.0)
-        self._past: deque[tuple[float, Array]] = deque(maxlen=int(np.ceil(late / spec.dt)) + 1 if late else 0)
-        self._time = 0.0
-        self.stepped(0.0)
+        self._latency = max((camera.noise.latency for camera in spec.cameras if camera.noise is not None), default=0.0)
+        self._past: deque[tuple[float, Array]] = deque(maxlen=0)
+        self._dt, self._time = spec.dt, 0.0
+        self.remember(max((fault.lag or 0.0 for fault in spec.faults.values()), default=0.0))
+        self.show(targets)
+
+    def remember(self, lag: float) -> None:
+        """Keep where everything was for frames that a fault makes so late [s], on top of what sensors do."""
+        late = self._latency + lag
+        steps = int(np.ceil(late / self._dt)) + 1 if late else 0
+        if steps > (self._past.maxlen or 0):
+            self._past = deque(self._past, steps)
+
+    def show(self, targets: Sequence[Target]) -> None:
+        """See these bodies from now on, in place of all others."""
+        self.targets = tuple(targets)
+        self._bodies = [*(target.body for target in targets), *self._carriers.values()]
+        self._rows = {name: len(targets) + i for i, name in enumerate(self._carriers)}
+        self._renderers.clear()
+        self._past.clear()
+        self.stepped(self._time)
 
     def replaced(self, old: physx.PhysxRigidBaseComponent, new: physx.PhysxRigidBaseComponent) -> None:
         """Show a body where another of the same shape is from now on."""
+        self.targets = tuple(replace(each, body=new) if each.body is old else each for each in self.targets)
         self._bodies = [new if body is old else body for body in self._bodies]
 
     def stepped(self, time: float) -> None:
@@ -108,7 +124,7 @@ class Rig:
         if not latency:
             return self._time, self._now()
         known = [past for past in self._past if past[0] <= self._time - latency + 1e-9]
-        return known[-1] if known else self._past[0]
+        return known[-1] if known else next(iter(self._past), (self._time, self._now()))
 
     def _pose(self, spec: CameraSpec, rows: Array) -> Pose:
         pose = spec.info().pose
@@ -119,9 +135,9 @@ class Rig:
 
     def _drawn(self, spec: CameraSpec, time: float, rows: Array) -> Frame:
         if spec not in self._renderers:  # made when it is first asked for, since meshes take their time to read
-            self._renderers[spec] = make_renderer(spec, self._targets)
+            self._renderers[spec] = make_renderer(spec, self.targets)
         renderer = self._renderers[spec]
-        return replace(renderer.draw(self._pose(spec, rows), Places.of(rows[: len(self._targets)])), time=time)
+        return replace(renderer.draw(self._pose(spec, rows), Places.of(rows[: len(self.targets)])), time=time)
 
 
 def make_renderer(spec: CameraSpec, targets: Sequence[Target]) -> Renderer:

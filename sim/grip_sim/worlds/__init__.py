@@ -15,6 +15,8 @@ import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
+from grip_bt.base.values import Pose
+from grip_bt.base.values.pose import angles_of
 from grip_bt.base.yaml.models import read_model
 from grip_bt.commanders.description.files import note
 from grip_sim.articulated.model import ArticulatedConfig
@@ -61,6 +63,17 @@ def load_world(name: str, seed: int = 0, project: Path | None = None, robot: str
     own = "" if world.robot is None else world.robot if isinstance(world.robot, str) else str(path)
     home = project or path.parent.parent
     return arrange(world, seed, path.parent, robot or own, lambda each: object_file(each, home))
+
+
+def object_at(name: str, model: str, pose: Pose, project: Path | None = None) -> ObjectSpec:
+    """Return an object whose centre is at a pose in world; `model` names one, or its file.
+
+    Raises UnknownNameError, DocumentError: there is no such object, or its file is wrong.
+    """
+    made = _made(ShapeConfig(model=model), None, lambda each: object_file(each, project))
+    x, y, z = pose.position.tolist()
+    roll, pitch, yaw = angles_of(pose.rotation())
+    return replace(made, name=name, position=(x, y, z), yaw=yaw, tilt=(roll, pitch), colour=COLOURS[0])
 
 
 def _other(thing: ObjectConfig, model: str) -> ObjectConfig:
