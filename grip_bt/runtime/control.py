@@ -13,7 +13,7 @@ from grip_bt.base.errors import ExpressionError, GripError, UnknownNameError
 from .runner import Runner, RunResult
 from .value_codec import preview
 
-COMMANDS = ("pause", "resume", "step", "run_to", "break", "clear", "breakpoints", "inspect", "preempt", "stop")
+COMMANDS = ("pause", "resume", "step", "run_to", "break", "clear", "breakpoints", "inspect", "preempt", "fault", "stop")
 
 
 GONE = "the controlling process went away without a stop"
@@ -206,6 +206,7 @@ _ACTIONS: dict[str, Callable[[Control, Runner, Mapping[str, Any]], object]] = {
     "breakpoints": Control._breakpoints,
     "inspect": Control._inspect,
     "preempt": lambda control, runner, command: runner.request_preempt(),
+    "fault": lambda control, runner, command: runner.inject(_text(command, "fault")),
 }
 
 

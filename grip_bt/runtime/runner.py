@@ -5,14 +5,14 @@ from __future__ import annotations
 import threading
 import time
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from py_trees.behaviour import Behaviour
 
-from grip_bt.base.errors import NodeError, NotStoppedError
+from grip_bt.base.errors import GripError, NodeError, NotStoppedError
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
 from grip_bt.compilers.binding import parts_of
@@ -89,6 +89,10 @@ def _engine_of(root: Behaviour) -> TickEngine:
     return TickEngine(root, fixed=not any(isinstance(node, Foreign) for node in root.iterate()))
 
 
+def _nothing_to_disturb(fault: str) -> None:
+    raise GripError("faults happen in simulated worlds, which this run doesn't have")
+
+
 class Runner:
     """Runs one compiled task once. `run` blocks; everything else may be called from any thread, before and during it.
 
@@ -102,6 +106,9 @@ class Runner:
         watchdog: how long one tick may take [s] before the run ends as an error; None for ever.
         log: goes on with this run of the journal; None for a new one.
         re_execution: what happened before, which happens again first; its clock is the context's.
+
+    Attributes:
+        inject: has something go wrong, `NAME: {fault: KIND}` as in a world's file; raises GripError.
     """
 
     def __init__(
@@ -124,6 +131,7 @@ class Runner:
         self.pacing = Pacing(context.waker, poll, rate)
         self.debugger = Debugger(compiled, self.pacing, self._observe_debugger)
         self.run_id: str | None = None
+        self.inject: Callable[[str], None] = _nothing_to_disturb
         self._recorder: Recorder | None = None
         self._re_execution, self._facts = re_execution, {**(facts or {}), **_own_labels(compiled)}
         if journal is not None:

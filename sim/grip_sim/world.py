@@ -151,9 +151,9 @@ class World:
         self.cameras.show([each for each in self.cameras.targets if each.name != name])
 
     def inject(self, name: str, fault: Fault) -> None:
-        """Have something go wrong from now on. Raises GripError where it names what isn't there."""
+        """Have something go wrong from now on. Raises GripError where it names what isn't there, but for components."""
         robot, cameras = self.robot.description, [camera.name for camera in self.spec.cameras]
-        for error in check_faults({name: fault}, robot, self._objects, cameras, ()):
+        for error in check_faults({name: fault}, robot, self._objects, cameras, [fault.of]):
             raise error
         self.faults.add(name, fault)
         self.cameras.remember(fault.lag or 0.0)

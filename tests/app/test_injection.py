@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import subprocess
@@ -9,12 +10,14 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from patience import until
 
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.app.runs.mocks import injected
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.runtime import JournalReader
+from grip_bt.runtime.control import Control
 from grip_sim.faults import Fault, read_faults
 
 TASK = """
@@ -32,7 +35,11 @@ class World:
     """Stands for a simulation: it takes down which nodes it is told of, and each makes its fault happen."""
 
     def __init__(self, **faults):
-        self.spec, self.entries, self.on_fault = SimpleNamespace(faults=faults), [], None
+        self.spec, self.entries, self.injected, self.on_fault = SimpleNamespace(faults=faults), [], {}, None
+
+    def inject(self, name, fault):
+        self.injected[name] = fault
+        self.on_fault(name, fault.fault, False)
 
     def entered(self, node):
         self.entries.append(node)
@@ -86,6 +93,38 @@ def test_a_component_hangs_goes_on_and_dies_and_none_is_left_hanging(file):
     finally:
         process.kill()
         process.wait()
+
+
+def test_a_fault_comes_during_a_run_and_wrong_ones_are_refused(file):
+    world = World(slip=Fault(fault="drop", node="/again/lift"))
+    with open_session(file, RunOptions(robot="fake")) as session:
+        world.entered = lambda node: session.runner.inject("later: {fault: freeze}")
+        heard, told = map(os.fdopen, os.pipe(), "rw")
+        with heard, told, injected(Resources(world=world), session.runner, session.runner.tell):
+            control = Control(heard, io.StringIO())
+            control.attach(session.runner)
+            control.start()
+            told.write('{"command": "fault", "fault": "dark: {fault: blackout}"}\n')
+            told.flush()
+            until(lambda: world.injected, "the command")
+            control.run()
+            told.close()
+            with pytest.raises(GripError, match="--fault"):
+                session.runner.inject("slip: {fault: drop, node: again}")
+            with pytest.raises(UnknownNameError, match="grasps"):
+                session.runner.inject("dead: {fault: component_death, of: grasps}")
+            with pytest.raises(DocumentError, match="'drop', 'push'"):
+                session.runner.inject("slip: {fault: drip}")
+        run = session.runner.run_id
+    assert list(world.injected) == ["dark", "later"]
+    with JournalReader(session.journal) as reader:
+        said = [event.data["text"] for event in reader.iterate(run) if event.event == "message"]
+    assert said == ["fault: later: freeze"] * 2
+
+
+def test_a_run_without_a_simulated_world_takes_no_faults(file):
+    with open_session(file, RunOptions(robot="fake")) as session, pytest.raises(GripError, match="simulated"):
+        session.runner.inject("dark: {fault: blackout}")
 
 
 def test_faults_are_given_as_in_a_worlds_file():

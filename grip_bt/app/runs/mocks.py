@@ -23,7 +23,7 @@ from grip_bt.runtime import Runner
 from grip_bt.runtime.debugger import node_path
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import AnyNode, Leaf, Task, children_of, join
-from grip_sim.faults import Fault
+from grip_sim.faults import Fault, read_faults
 
 Script = str | MockStep | list[str | MockStep]
 
@@ -164,12 +164,15 @@ class _AtNodes(Observer):
 
 @contextmanager
 def injected(resources: Resources, runner: Runner, tell: Callable[[str, str], None]) -> Iterator[None]:
-    """Have the faults of the simulated world happen while the block runs; before the runner begins."""
+    """Have the faults of the simulated world happen while the block runs, and those that come during the run.
+
+    It begins before the runner does.
+    """
     world = resources.world
-    if world is None or not world.spec.faults:
+    if world is None:
         yield
         return
-    faults, servers, hanging = world.spec.faults, resources.servers, set[str]()
+    faults, servers, hanging = dict(world.spec.faults), resources.servers, set[str]()
 
     def happened(name: str, words: str, over: bool) -> None:
         fault = faults[name]
@@ -179,8 +182,18 @@ def injected(resources: Resources, runner: Runner, tell: Callable[[str, str], No
             hanging.add(fault.of)
         tell("fault", f"{name}: {words}")
 
-    world.on_fault = happened
-    runner.observe(_AtNodes(world.entered, [fault.node for fault in faults.values() if fault.node]))
+    def inject(given: str) -> None:
+        for name, fault in read_faults([given]).items():
+            if fault.node:
+                raise GripError(f"{name}: a fault that waits for a node is given when the run starts, by --fault")
+            if fault.fault.startswith("component_") and fault.of not in servers:
+                raise UnknownNameError("component", fault.of, servers, f"{name}/of")
+            faults[name] = fault
+            world.inject(name, fault)
+
+    world.on_fault, runner.inject = happened, inject
+    if any(fault.node for fault in faults.values()):
+        runner.observe(_AtNodes(world.entered, [fault.node for fault in faults.values() if fault.node]))
     try:
         yield
     finally:

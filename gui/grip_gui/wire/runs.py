@@ -140,10 +140,11 @@ class StartRun(RunOptions):
 class Control(Wire):
     """Ask the run under way for something."""
 
-    command: Literal["pause", "resume", "step", "run_to", "preempt", "stop"]
+    command: Literal["pause", "resume", "step", "run_to", "preempt", "fault", "stop"]
     how: Literal["tick", "in", "over", "out"] = "tick"  # of `step`
     node: Path = ""  # of `run_to`
     when: When = "before"  # of `run_to`
+    fault: Annotated[str, Field(max_length=1000)] = ""  # of `fault`, `NAME: {fault: KIND}`
     page: PageId = ""
 
     @model_validator(mode="after")

@@ -76,10 +76,11 @@ export interface ComponentForm {
 
 /** Ask the run under way for something. */
 export interface Control {
-  command: "pause" | "resume" | "step" | "run_to" | "preempt" | "stop";
+  command: "pause" | "resume" | "step" | "run_to" | "preempt" | "fault" | "stop";
   how: "tick" | "in" | "over" | "out";
   node: string;
   when: "before" | "after";
+  fault: string;
   page: string;
 }
 

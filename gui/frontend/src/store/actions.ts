@@ -14,7 +14,7 @@ import { type Pane, resetPanes, usePanes, widen } from "./panes";
 import { LONGEST_NAME } from "./others";
 import { useRun } from "./run";
 import { useRunning } from "./runDesk";
-import { pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
+import { injectFault, pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
 import { newTask } from "./tasks";
 
 export interface Action {
@@ -111,6 +111,7 @@ export const ACTIONS: readonly Action[] = [
   { id: "tick", title: "Step by one tick", keys: ["Ctrl+F11"], inFields: true, run: () => step("tick") },
   { id: "from-here", title: "Run from here", keys: ["Ctrl+Enter"], run: runFromHere },
   { id: "to-here", title: "Run to here", keys: ["Ctrl+F10"], run: runToHere },
+  { id: "fault", title: "Have something go wrong", keys: ["Ctrl+Alt+f"], inFields: true, run: injectFault },
   { id: "new", title: "New task", keys: [], run: newTask },
   { id: "name", title: "Change how others see you", keys: [], run: askForName },
 ];

@@ -1,7 +1,7 @@
 /** Starting and controlling runs from this page: what every button and key about runs does. */
 import { PAGE, RefusedError, server } from "../protocol/client";
 import type { Breakpoint, Control, StartRun } from "../protocol/generated";
-import { askChoice } from "./ask";
+import { askChoice, askText } from "./ask";
 import { openTask, trying } from "./desk";
 import { useDocument } from "./document";
 import { save, settled, take } from "./editing";
@@ -58,8 +58,8 @@ export function start(where: Partial<Pick<StartRun, "begin_at" | "run_to">> = {}
   });
 }
 
-export function control(command: Control["command"], more: Partial<Pick<Control, "how" | "node" | "when">> = {}): Promise<void> {
-  return controlling(() => server.control({ command, how: "tick", node: "", when: "before", ...more, page: PAGE }));
+export function control(command: Control["command"], more: Partial<Pick<Control, "how" | "node" | "when" | "fault">> = {}): Promise<void> {
+  return controlling(() => server.control({ command, how: "tick", node: "", when: "before", fault: "", ...more, page: PAGE }));
 }
 
 export function stop(): void {
@@ -76,6 +76,29 @@ export function pauseOrResume(): void {
 export function step(how: Control["how"]): void {
   const state = useRun.getState().session?.state;
   if (state === "paused" || state === "running") void control("step", { how });
+}
+
+const FAULTS: readonly (readonly [string, string])[] = [
+  ["drop", "Drop what the hand holds"],
+  ["abort", "Have controllers give up their motions"],
+  ["blackout, lasts: 5", "Black out all cameras for 5 s"],
+  ["freeze, lasts: 5", "Freeze all cameras for 5 s"],
+  ["light, factor: 0.3, lasts: 5", "Dim the light for 5 s"],
+];
+
+/** Have something go wrong in the simulated world of the run under way. */
+export async function injectFault(): Promise<void> {
+  const { session } = useRun.getState();
+  if (session === null || session.robot !== "sim" || (session.state !== "paused" && session.state !== "running")) {
+    return useRun.getState().setError("Faults happen while a task runs in simulation.");
+  }
+  const options = [...FAULTS.map(([value, label]) => ({ value, label, mark: "" })), { value: "", label: "Something else ...", mark: "" }];
+  let kind = await askChoice({ title: "What goes wrong", label: "It happens at once, in simulation", options });
+  if (kind === "") {
+    const text = await askText({ title: "What goes wrong", label: "As in a world's file: push, of: OBJECT, by: [0.3, 0, 0]", initial: "", check: (said) => (said.trim() === "" ? "a kind of fault is needed" : "") });
+    kind = text === null ? null : text.trim().replace(/^\{?\s*(fault:)?\s*/, "").replace(/\}$/, "");
+  }
+  if (kind !== null) await control("fault", { fault: `from the page: {fault: ${kind}}` });
 }
 
 /** Go on to the selected node, in the run under way or in a new one. */
