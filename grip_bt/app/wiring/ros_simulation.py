@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from grip_bt.app.project.faults import check, faults_of_cameras, jerks_of_arms
 from grip_bt.app.project.folder import Project
 from grip_bt.app.project.worlds import room_of, world_of
 from grip_bt.app.wiring.parts import Progress
-from grip_bt.base.arrays import Array
+from grip_bt.app.wiring.ros_world import SimulationServices
 from grip_bt.base.errors import GripError, MissingPartError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
-from grip_bt.base.values import JointState, Pose, Trajectory
+from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.interfaces.build import shell_setup
@@ -37,11 +35,8 @@ from grip_bt.ros.served_controllers import (
     GripperController,
     TrajectoryController,
 )
-from grip_bt.ros.served_world import SimulationServices
-from grip_sim.faults import read_faults
 from grip_sim.simulation import Simulation, start_simulation
-from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
-from grip_sim.worlds import object_at
+from grip_sim.specs import CameraSpec
 
 JOINT_STATES = "/joint_states"
 PACKAGES = ("control_msgs", "controller_manager_msgs", "grip_msgs", "simulation_interfaces", "tf2_msgs")
@@ -144,8 +139,8 @@ def serve_world(
         stack.callback(RobotStatePublisher(bus, project.description(), measured, fixed, now=now).close)
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
-        whole = _World(simulation, partial(world_of, project, world=world), project)
-        progress("world", ", ".join(SimulationServices(bus, whole, now).names))
+        drawn = partial(world_of, project, world=world)
+        progress("world", ", ".join(SimulationServices(bus, simulation, drawn, project.folder, now).names))
         reached = {name: {way: action} for name, (way, action) in actions.items()}
         settings = {"ros": {"joint_states": joints, "controllers": reached, "cameras": cameras}}
         yield Served(simulation, settings, scene_text("room", room_of(simulation.spec)), shell_setup(*PACKAGES))
@@ -199,55 +194,6 @@ def _action(project: Project, name: str) -> tuple[str, str]:
     if len(joints) != 1:
         raise GripError(f"{where}: a gripper has one driven joint, and {name} has {len(joints)}: say `trajectory`")
     return "gripper", said.gripper
-
-
-class _World:
-    """Implements `grip_bt.ros.served_world.SimulatedWorld`.
-
-    Args:
-        drawn: returns the world as a seed draws it.
-    """
-
-    def __init__(self, simulation: Simulation, drawn: Callable[[int], WorldSpec], project: Project):
-        self._simulation, self._drawn, self._project = simulation, drawn, project
-        self._first = self._saved = simulation.spec.objects, simulation.kept()
-        self.pause, self.resume, self.step = simulation.pause, simulation.resume, simulation.step
-        self.remove, self.place = simulation.remove, simulation.referee.move_object
-
-    def objects(self) -> Mapping[str, tuple[Pose, Array]]:
-        kept = self._simulation.kept()
-        rows = zip(kept["poses"].tolist(), kept["object_speeds"], strict=True)
-        names = (spec.name for spec in self._simulation.spec.objects)
-        return {name: (Pose(row[:3], row[3:]), speeds) for name, (row, speeds) in zip(names, rows, strict=True)}
-
-    def spawn(self, name: str, resource: str, pose: Pose) -> None:
-        self._simulation.spawn(object_at(name, resource, pose, self._project.folder))
-
-    def reset(self, seed: int | None = None) -> None:
-        if seed is not None:
-            objects = self._drawn(seed).objects
-            poses = np.array([[*each.pose.position, *each.pose.quaternion] for each in objects]).reshape(-1, 7)
-            self._first = objects, {**self._first[1], "poses": poses, "object_speeds": np.zeros((len(objects), 6))}
-        self._put_back(*self._first)
-
-    def save(self) -> None:
-        self._saved = self._simulation.spec.objects, self._simulation.kept()
-
-    def restore(self) -> None:
-        self._put_back(*self._saved)
-
-    def _put_back(self, objects: Sequence[ObjectSpec], kept: Mapping[str, Array]) -> None:
-        simulation = self._simulation
-        if simulation.spec.objects != objects:
-            for there in simulation.spec.objects:
-                simulation.remove(there.name)
-            for wanted in objects:
-                simulation.spawn(wanted)
-        simulation.put_back(kept, cancel=True)
-
-    def inject(self, name: str, fault: str) -> None:
-        for each, read in read_faults([f"{name}: {fault}"]).items():
-            self._simulation.inject(each, read)
 
 
 def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any]:
