@@ -60,7 +60,7 @@ for (const colorScheme of ["light", "dark"]) {
 let actions = 0;
 await onPage(
   url,
-  async (page, { answer, button, nodeIs, pick, runIs }) => {
+  async (page, { answer, button, nodeIs, pick, runIs, runIsStopped }) => {
     const press = async (what) => (actions++, what.click());
     const has = page.getByRole("list", { name: "What the project has" });
     const shoot = async (name) => {
@@ -86,6 +86,19 @@ await onPage(
     await page.locator(".robot-words summary").click();
     await page.getByLabel("The drawing in words").getByText(/held by hand/).waitFor();
     await shoot("held");
+
+    // What goes wrong on purpose is chosen while the task runs, and the run's events tell it.
+    await button("Run").click();
+    await runIs("running");
+    await button("Pause").click();
+    await runIs("paused");
+    await page.keyboard.press("Control+Alt+f");
+    await answer("Dim the light");
+    await button("Resume").click();
+    await page.getByRole("tab", { name: "Run", exact: true }).click();
+    await page.getByText(/from the page: light of everything/).first().waitFor();
+    await button("STOP").click();
+    await runIsStopped();
 
     // What isn't there is offered where it is missed: take the camera out, and add its node.
     await button("Project").click();
