@@ -155,7 +155,7 @@ class Control(Wire):
 
     def fields(self) -> dict[str, Any]:
         """Return it as the control protocol of a run has it."""
-        more = {"step": {"how"}, "run_to": {"node", "when"}}
+        more = {"step": {"how"}, "run_to": {"node", "when"}, "fault": {"fault"}}
         return self.model_dump(include={"command", *more.get(self.command, ())})
 
 
