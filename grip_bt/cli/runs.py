@@ -1,4 +1,4 @@
-"""`grip runs`, `grip replay` and `grip capsule`: the runs of a project listed, exported, shown again, as one file."""
+"""`grip runs` and `grip replay`: the runs of a project listed, exported, and shown again."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from pathlib import Path
 from pydantic import ByteSize, TypeAdapter, ValidationError
 
 from grip_bt.app.project.folder import find_project
-from grip_bt.app.runs.capsule import write_capsule
 from grip_bt.app.runs.execute import make_room
 from grip_bt.app.runs.export import export_run
 from grip_bt.app.runs.replay import (
@@ -183,20 +182,3 @@ def run_replay(args: argparse.Namespace) -> int:
             print("\n".join(moment_lines(moment, None if until else reader.run(found))))
         reader.raise_if_damaged()
     return 0
-
-
-def add_capsule(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to (default: RUN.html)")
-    parser.add_argument("--journal", type=Path, metavar="FILE", help="use this journal instead of the project's")
-
-
-def run_capsule(args: argparse.Namespace) -> None:
-    with JournalReader(journal_of(None, args.journal)) as reader:
-        found = find_run(reader, args.run_name)
-        file = args.output or Path(f"{found}.html")
-        made = write_capsule(reader, found, file)
-        print(f"{file}: {made.events} events of run {found}, {made.size / 1000:.0f} kB")
-        if made.left_out:
-            print(f"  left out: {made.left_out}")
-        reader.raise_if_damaged()

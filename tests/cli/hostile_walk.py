@@ -108,9 +108,7 @@ def verbs() -> Iterator[tuple[str, str]]:
         ways.append(["import", str(folder / file), "--from", source])
     ways += [["robot", "check", str(folder)], ["robot", "check", str(folder / "eval.xacro")]]
     journal = _journal_of(tasks)
-    ways += [
-        [*way, "--journal", journal] for way in (["runs"], ["replay", "last"], ["capsule", "last", "-o", f"{out}.html"])
-    ]
+    ways += [[*way, "--journal", journal] for way in (["runs"], ["replay", "last"])]
     edit = json.dumps({"do": "rename", "path": "function", "name": "renamed"})
     ways.append(["apply", str(folder / "tasks" / "nodes.yaml"), edit, "--dry-run"])
     for way in ways:

@@ -113,7 +113,6 @@ def verbs(run: str) -> Iterator[list[str]]:
         yield ["runs", run, "--to", to, "-o", f"out.{to}"]
     yield ["replay", run, "--speed", "0"]
     yield ["replay", run, "--json", "--speed", "0", "--until", "5"]
-    yield ["capsule", run, "-o", "out.html"]
     yield ["run", "--resume", run, "--in-process", "--yes"]
     yield ["run", "--fork", run, "--at", "2", "--in-process", "--robot", "fake"]
     yield ["runs", ".", "--prune", "1kB"]

@@ -37,7 +37,6 @@ LOOK = {
     "convert",
     "runs",
     "replay",
-    "capsule",
     "new",
     "apply",
     "interfaces",
