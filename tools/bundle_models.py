@@ -12,10 +12,12 @@ from __future__ import annotations
 import re
 import shutil
 import sys
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
 import trimesh
+from mjcf_to_urdf import urdf_of_mjcf
 
 HERE = Path(__file__).parent.parent / "grip_bt" / "commanders" / "robots"
 MOST = 5000
@@ -42,8 +44,17 @@ def shadow_hand(folder: Path) -> None:
     source, target = folder / "robopianist/models/hands/third_party/shadow_hand", HERE / "shadow_hand"
     for mesh in sorted((source / "assets").glob("*.obj")):
         write_mesh(mesh, target / "assets" / mesh.name)
-    for name in ("LICENSE", "left_hand.xml", "right_hand.xml"):
-        shutil.copy(source / name, target / name)
+    shutil.copy(source / "LICENSE", target / "LICENSE")
+    for side in ("left", "right"):
+        robot, touching = urdf_of_mjcf(source / f"{side}_hand.xml")
+        for mesh in robot.iter("mesh"):
+            mesh.set("filename", f"assets/{Path(mesh.get('filename', '')).name}")
+        semantic = ET.Element("robot", name=robot.get("name", side))
+        for one, other in sorted(touching):
+            ET.SubElement(semantic, "disable_collisions", link1=one, link2=other, reason="Adjacent")
+        for kind, root in (("urdf", robot), ("srdf", semantic)):
+            ET.indent(root)
+            (target / f"{side}_hand.{kind}").write_text(ET.tostring(root, encoding="unicode") + "\n")
 
 
 def robotiq_2f_85(folder: Path) -> None:

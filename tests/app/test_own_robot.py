@@ -84,7 +84,7 @@ def test_a_project_with_a_wrong_robot_tells_all_that_is_wrong(tmp_path):
     ("old", "new", "says"),
     [
         ("moveit:", "movit:", r"grip.yaml:3:3: unknown key 'movit' in robot; did you mean 'moveit'\?"),
-        ("  moveit: src/smally_moveit_config\n", "", "a robot is made of exactly one of urdf, xacro, mjcf, moveit"),
+        ("  moveit: src/smally_moveit_config\n", "", "a robot is made of exactly one of urdf, xacro, moveit"),
         ("[0, 0, 0.09]", "[0, 0, .nan]", "finite number"),
     ],
 )

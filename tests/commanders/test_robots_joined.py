@@ -168,8 +168,8 @@ def test_a_mount_on_a_link_that_is_not_there_lists_those_that_are(tmp_path):
 @pytest.mark.parametrize(
     ("config", "says"),
     [
-        ({}, "exactly one of urdf, xacro, mjcf, moveit, ready, arm, robots; this one has nothing"),
-        ({"urdf": "a", "mjcf": "b"}, "this one has urdf and mjcf"),
+        ({}, "exactly one of urdf, xacro, moveit, ready, arm, robots; this one has nothing"),
+        ({"urdf": "a", "xacro": "b"}, "this one has urdf and xacro"),
         ({"arm": "ur5"}, "needs arm, hand and mount"),
         ({"urdf": "a", "drives": {"arm": {"stiffness": -1, "damping": 1, "limit": 1}}}, "greater than 0"),
         ({"urdf": "a", "states": {"arm": {"home": [float("nan")]}}}, "finite number"),

@@ -1,13 +1,11 @@
-"""The Shadow hand's kinematics, against values computed by hand from the numbers in its MJCF model."""
+"""The Shadow hand's kinematics, against values computed by hand from the numbers in the maker's model."""
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from table_top import robot_model
 
-from grip_bt.base.errors import DocumentError
 from grip_bt.base.values import JointState
-from grip_bt.commanders.description.mjcf import urdf_of_mjcf
 
 
 def place(model, link, positions, of="rh_palm"):
@@ -84,21 +82,3 @@ def test_closed_fingers_lie_in_front_of_the_palm_as_grasps_need_them():
         x, _, z = frame.apply([data.oMf[model.model.getFrameId(links[-1])].translation])[0]
         assert z > 0.04, finger
         assert abs(x) < 0.03, finger
-
-
-@pytest.mark.parametrize(
-    ("body", "says"),
-    [
-        ("<body name='a' euler='0 0 1'/>", "euler"),
-        ("<body name='a'><body name='b'><joint/><joint/></body></body>", "body 'b' has 2 joints"),
-        ("<body name='a'><body name='b'><joint name='j'/></body></body>", "joint 'j' has no range"),
-        ("<body name='a'><body name='b'><joint type='ball'/></body></body>", "a ball joint isn't converted"),
-        ("<body name='a'><geom type='ellipsoid' size='1 1 1'/></body>", "type 'ellipsoid'"),
-        ("<body name='a'/><body name='b'/>", "one body, not 2"),
-    ],
-)
-def test_what_is_not_converted_is_refused_not_left_out(tmp_path, body, says):
-    path = tmp_path / "m.xml"
-    path.write_text(f"<mujoco><compiler angle='radian'/><worldbody>{body}</worldbody></mujoco>")
-    with pytest.raises(DocumentError, match=says):
-        urdf_of_mjcf(path)

@@ -28,7 +28,7 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.roles import arms_of
 from grip_bt.task import fmt
 
-FILES = ("urdf", "xacro", "mjcf", "srdf", "moveit")
+FILES = ("urdf", "xacro", "srdf", "moveit")
 """Keys of `robot:` that name a file or a folder."""
 Choose = Callable[[str, Sequence[str]], str]
 """Given a question and names, returns one of them."""

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraint
 
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 Vector = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
-SOURCES = ("urdf", "xacro", "mjcf", "moveit", "ready", "arm", "robots")
+SOURCES = ("urdf", "xacro", "moveit", "ready", "arm", "robots")
 
 
 class _Config(BaseModel):
@@ -93,8 +93,6 @@ class RobotConfig(_Config):
     """Path of a URDF file."""
     xacro: str | None = None
     """Path of a xacro file."""
-    mjcf: str | None = None
-    """Path of a MuJoCo model."""
     arguments: dict[str, str | bool | int | float] = {}
     """Of the xacro file, and of the SRDF where it is a xacro file too."""
     srdf: str | None = None

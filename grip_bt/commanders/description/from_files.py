@@ -17,7 +17,6 @@ from .configurations import Alternative, Configurations, Fitted
 from .files import Finding, errors, finding_of
 from .guessed import with_groups, with_postures
 from .hints import declared
-from .mjcf import urdf_of_mjcf
 from .moveit_package import JointLimits, MoveItPackage, preferences_of, read_package
 from .packages import Packages
 from .robot import RobotDescription
@@ -47,7 +46,7 @@ def load_single(config: RobotConfig, folder: Path) -> Inspected:
     """Return a robot from its own files.
 
     Args:
-        config: with a `urdf`, `xacro`, `mjcf` or `moveit`.
+        config: with a `urdf`, `xacro` or `moveit`.
         folder: that relative paths begin in.
     """
     single = _Single(config, folder)
@@ -67,7 +66,6 @@ class _Single:
         self.packages = Packages(given, tuple(self._path(file) for file in files if file))
         self.moveit = MoveItPackage(folder)  # of which nothing is said
         self.chosen: Fitted | None = None
-        self.touching: frozenset[tuple[str, str]] = frozenset()
 
     def loaded(self) -> Inspected:
         if self.config.moveit is not None:
@@ -138,10 +136,6 @@ class _Single:
         config = self.config
         if self.chosen is not None and self.chosen.urdf is not None:
             return self.chosen.robot, self.chosen.urdf
-        if config.mjcf is not None:
-            path = self._path(config.mjcf)
-            robot, self.touching = urdf_of_mjcf(path)
-            return robot, path
         path = self._path(config.urdf or config.xacro or "")
         if config.urdf is not None and path.suffix != ".xacro":
             if config.arguments:
@@ -156,7 +150,7 @@ class _Single:
         if self.config.srdf is not None:
             path = self._path(self.config.srdf)
             return read_srdf(read_robot(path, self.config.arguments, self.packages), str(path))
-        return Srdf(disabled=self.touching)
+        return Srdf()
 
     def _check_arguments(self, path: Path) -> None:
         known = tuple(declared(path, self.packages).arguments)

@@ -5,7 +5,6 @@ Ready-made robots are built on this machine from models that installed packages 
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -167,23 +166,12 @@ def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
     if is_launch_file(path):
         return robot_of_launch(path), path.parent
     if path.suffix in (".urdf", ".xacro", ".xml"):
-        return RobotConfig(**{_kind(path): str(path)}), path.parent
+        return RobotConfig(**{"xacro" if path.suffix == ".xacro" else "urdf": str(path)}), path.parent
     if path.suffix in (".yaml", ".yml"):
         return _of_yaml(path), path.parent
     raise DocumentError(
-        "a robot is a .urdf, .xacro, .xml (URDF or MJCF), .yaml or launch file, or a MoveIt package's folder", str(path)
+        "a robot is a .urdf, .xacro, .xml (URDF), .yaml or launch file, or a MoveIt package's folder", str(path)
     )
-
-
-def _kind(path: Path) -> str:
-    """Return what a robot's file is; of an .xml file, its outermost element tells."""
-    if path.suffix != ".xml":
-        return path.suffix[1:]
-    try:
-        robot = next(iter(ET.iterparse(path, ("start",))))[1].tag == "robot"
-    except (ET.ParseError, StopIteration):
-        robot = False  # reading it says what is wrong
-    return "urdf" if robot else "mjcf"
 
 
 def _of_yaml(path: Path) -> RobotConfig:

@@ -17,7 +17,7 @@ const RobotPreview = lazy(() => import("../robot/RobotPreview"));
 
 type Door = "robot" | "task" | "example";
 const DOORS: readonly [Door, string, string, string][] = [
-  ["robot", "Take a robot", "A ready-made arm with a hand, or your own: MoveIt package, launch file, URDF, xacro or MJCF. It comes with a world and a task in which the hand holds a thing.", "M3 14h6M6 14V9l5-4M11 5l3 1M11 5V2M6 9a1 1 0 1 0 0-2 1 1 0 0 0 0 2"],
+  ["robot", "Take a robot", "A ready-made arm with a hand, or your own: MoveIt package, launch file, URDF or xacro. It comes with a world and a task in which the hand holds a thing.", "M3 14h6M6 14V9l5-4M11 5l3 1M11 5V2M6 9a1 1 0 1 0 0-2 1 1 0 0 0 0 2"],
   ["task", "Bring a task", "From SMACH, BehaviorTree.CPP, py_trees, or the first GRIP.", "M2 9v5h12V9M8 2v8M5 7l3 3 3-3"],
   ["example", "Open an example", "Tasks that run: clear a table, fill a shelf, take turns.", "M3 2h8l2 2v10H3zM6 7h4M6 10h4"],
 ];

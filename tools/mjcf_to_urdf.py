@@ -12,8 +12,7 @@ from pathlib import Path
 
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.values.pose import Pose, angles_of
-
-from .xml import line_of, numbers, read_xml
+from grip_bt.commanders.description.xml import line_of, numbers, read_xml
 
 VELOCITY, EFFORT = 2.0, 2.0
 """Limits of every joint [rad/s, N m]; MJCF has none."""
