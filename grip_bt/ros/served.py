@@ -12,7 +12,7 @@ from functools import partial
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from grip_bt.base.errors import GripError
-from grip_bt.base.ports import Camera, Executor
+from grip_bt.base.ports import Camera, Executor, HandPort
 from grip_bt.base.values import DepthImage, Image, Pose, RgbdFrame
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import Tree
@@ -31,6 +31,7 @@ from .client.types import Message, load_type
 from .frames import FrameTree
 
 TYPE = "sensor_msgs/msg/JointState"
+Measured = Executor | HandPort
 RATE = 50.0
 """Messages of joint states a second."""
 
@@ -61,7 +62,7 @@ class JointStatePublisher(Published):
         now: the time of its stamps [s].
     """
 
-    def __init__(self, bus: Bus, topic: str, executors: Sequence[Executor], now: Callable[[], float] = time.time):
+    def __init__(self, bus: Bus, topic: str, executors: Sequence[Measured], now: Callable[[], float] = time.time):
         self._writer, self._executors, self._period, self._now = bus.writer(TYPE, topic), executors, 1 / RATE, now
         super().__init__("grip_joint_states")
 
@@ -167,7 +168,7 @@ class RobotStatePublisher(Published):
         self,
         bus: Bus,
         description: RobotDescription,
-        executors: Sequence[Executor],
+        executors: Sequence[Measured],
         fixed: Mapping[str, Pose],
         rate: float = 30.0,
         now: Callable[[], float] = time.time,

@@ -31,7 +31,6 @@ from grip_bt.ros.interfaces.build import ensure_package
 
 from .client.types import Message, load_type
 
-MANAGER = "/controller_manager"
 ACTION = "control_msgs/action/FollowJointTrajectory"
 AT_ONCE = 0.01
 """How long joints take that are to be elsewhere at once [s]."""
@@ -184,7 +183,10 @@ class TrajectoryController(Controller):
     def _move(self, goal: _Goal) -> Operation[JointState]:
         asked = goal.handle.request.trajectory
         goal.path = continued(list(asked.joint_names), asked.points, self._executor.state())
-        return self._executor.execute(goal.path)
+        return self._follow_path(goal.path)
+
+    def _follow_path(self, path: Trajectory) -> Operation[JointState]:
+        return self._executor.execute(path)
 
     def _explain(self, result: Message, goal: _Goal, error: Exception | None) -> None:
         if error is None:
@@ -207,6 +209,19 @@ class TrajectoryController(Controller):
         feedback.desired.positions, feedback.desired.velocities = position[0].tolist(), velocity[0].tolist()
         feedback.actual.positions, feedback.error.positions = measured.tolist(), (position[0] - measured).tolist()
         self._bus.post(lambda: handle.is_active and handle.publish_feedback(feedback))
+
+
+SOON = 0.1
+"""Fingers take so long at least [s]."""
+
+
+class FingerController(TrajectoryController):
+    """One without tolerances, of whose trajectories the end and the duration count: fingers press on what they meet."""
+
+    _executor: HandPort  # type: ignore[assignment]
+
+    def _follow_path(self, path: Trajectory) -> Operation[JointState]:
+        return self._executor.move(JointState(path.names, path.positions[-1]), max(float(path.times[-1]), SOON))
 
 
 CLOSE = 2e-3
@@ -255,17 +270,19 @@ class GripperController(Controller):
 class ControllerManager:
     """Serves `list_controllers` and `switch_controller` as ros2_control's manager does, for controllers by name."""
 
+    services = ("/controller_manager/list_controllers", "/controller_manager/switch_controller")
+
     def __init__(self, bus: Bus, controllers: Sequence[Controller]):
         ensure_package("controller_manager_msgs")
         self._controllers = {each.name: each for each in controllers}
         state = load_type("controller_manager_msgs/msg/ControllerState")
         self._state = state
-        node = bus.node
+        answers = {"ListControllers": self._list, "SwitchController": self._switch}
+        types = {name: load_type(f"controller_manager_msgs/srv/{name}") for name in answers}
 
         def begin() -> None:
-            for name, answer in (("ListControllers", self._list), ("SwitchController", self._switch)):
-                service = "list_controllers" if name == "ListControllers" else "switch_controller"
-                node.create_service(load_type(f"controller_manager_msgs/srv/{name}"), f"{MANAGER}/{service}", answer)
+            for service, (name, answer) in zip(self.services, answers.items(), strict=True):
+                bus.node.create_service(types[name], service, answer)
 
         bus.ask(begin)
 

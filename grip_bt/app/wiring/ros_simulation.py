@@ -16,9 +16,7 @@ from grip_bt.app.project.worlds import room_of, world_of
 from grip_bt.app.wiring.parts import Progress
 from grip_bt.app.wiring.ros_world import SimulationServices
 from grip_bt.base.errors import GripError, MissingPartError
-from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
-from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.interfaces.build import shell_setup
@@ -28,21 +26,13 @@ from grip_bt.ros.served import (
     JointStatePublisher,
     RobotStatePublisher,
 )
-from grip_bt.ros.served_controllers import (
-    MANAGER,
-    Controller,
-    ControllerManager,
-    GripperController,
-    TrajectoryController,
-)
+from grip_bt.ros.served_controllers import ControllerManager, FingerController, GripperController, TrajectoryController
 from grip_sim.simulation import Simulation, start_simulation
 from grip_sim.specs import CameraSpec
 
 JOINT_STATES = "/joint_states"
 PACKAGES = ("control_msgs", "controller_manager_msgs", "grip_msgs", "simulation_interfaces", "tf2_msgs")
 """Of the interfaces that clients need."""
-SOON = 0.1
-"""Fingers take so long at least [s]."""
 LONG = 60.0
 """So long a piece of simulated time is waited for at once [s]; nothing happens between two pieces."""
 
@@ -102,23 +92,19 @@ def serve_world(
         names = ", ".join(thing.name for thing in spec.objects)
         progress("simulator", f"SAPIEN in process {simulation.pid}, world {world!r}, seed {seed}: {names}")
         bus = stack.enter_context(Bus("grip_sim"))
-        executors: dict[str, Executor] = {
-            name: _PressingFingers(simulation.hand(group)) if name in project.file.hands else simulation.executor(group)
+        executors: dict[str, Executor | HandPort] = {
+            name: simulation.hand(group) if name in project.file.hands else simulation.executor(group)
             for name, group in groups.items()
         }
         controllers = []
         for name, executor in executors.items():
             way, action = actions[name]
-            made: Controller
-            if way == "gripper":
-                made = GripperController(bus, action, simulation.hand(groups[name]))
-            else:
-                made = TrajectoryController(bus, action, executor)
+            fingers = GripperController if way == "gripper" else FingerController
+            made = (fingers if name in project.file.hands else TrajectoryController)(bus, action, executor)
             stack.callback(made.close)
             controllers.append(made)
             progress("controller", f"{action}: {len(executor.joint_names)} joints of {name}")
-        ControllerManager(bus, controllers)
-        progress("controllers", ", ".join(f"{MANAGER}/{name}" for name in ("list_controllers", "switch_controller")))
+        progress("controllers", ", ".join(ControllerManager(bus, controllers).services))
         joints = project.file.ros.joint_states if project.file.ros is not None else JOINT_STATES
         now = (lambda: simulation.clock.simulated) if simulated_time else time.time
         measured = tuple(executors.values())
@@ -140,38 +126,11 @@ def serve_world(
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
         drawn = partial(world_of, project, world=world)
-        progress("world", ", ".join(SimulationServices(bus, simulation, drawn, project.folder, now).names))
+        SimulationServices(bus, simulation, drawn, project.folder, now)
+        progress("world", "/spawn_entity, /reset_simulation ... (simulation_interfaces), /grip_sim/inject_fault")
         reached = {name: {way: action} for name, (way, action) in actions.items()}
         settings = {"ros": {"joint_states": joints, "controllers": reached, "cameras": cameras}}
         yield Served(simulation, settings, scene_text("room", room_of(simulation.spec)), shell_setup(*PACKAGES))
-
-
-class _PressingFingers:
-    """A hand as a trajectory controller without tolerances moves it: fingers that meet something press on.
-
-    Implements `grip_bt.base.ports.Executor`; of a trajectory only its end and its duration count.
-    """
-
-    def __init__(self, hand: HandPort):
-        self._hand = hand
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The joints of the hand."""
-        return self._hand.joint_names
-
-    def state(self) -> JointState:
-        """Return the measured state."""
-        return self._hand.state()
-
-    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        """Move the fingers towards the end of a trajectory, as far as what they meet lets them."""
-        goal = JointState(trajectory.names, trajectory.positions[-1])
-        return self._hand.move(goal, max(float(trajectory.times[-1]), SOON))
-
-    def stop(self) -> None:
-        """Hold the fingers where they are."""
-        self._hand.stop()
 
 
 def _action(project: Project, name: str) -> tuple[str, str]:

@@ -93,7 +93,6 @@ class SimulationServices:
                 node.create_service(load_type(kind), service, self._answering(handler))
 
         bus.ask(begin)
-        self.names = ("/spawn_entity", "/reset_simulation", "/set_simulation_state", "/grip_sim/inject_fault")
 
     def _answering(self, handler: Handler) -> Handler:
         def answer(asked: Message, said: Message) -> Message:

@@ -21,6 +21,7 @@ from pydantic import ValidationError
 
 from grip_bt.app.runs.motion_record import coarse
 from grip_bt.base.errors import GripError, InvalidRobotError
+from grip_bt.base.values import Pose
 from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.files import FileCache, errors
@@ -148,12 +149,12 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
         grasp[hand] = {
             "link": frame.link,
             "group": group,
-            "at": [*frame.pose.position.tolist(), *frame.pose.quaternion.tolist()],
+            "at": _listed(frame.pose),
         }
     return {
         "name": description.name,
         "links": {link.get("name"): list(_shapes(link, mesh, colors)) for link in urdf.iter("link")},
-        "joints": [_drawn_joint(joint, tree.joints[joint.get("name", "")]) for joint in urdf.findall("joint")],
+        "joints": [_drawn_joint(joint) for joint in tree.joints.values()],
         "meshes": meshes,
         "rest": description.at_rest,
         "groups": {group: list(joints) for group, joints in description.groups.items()},
@@ -177,7 +178,7 @@ def _shapes(link: Element, mesh: _FindMesh, colors: Mapping[str | None, str | No
             named = None if material is None else colors.get(material.get("name"))
             color = visual.find("material/color")
             rgba = named if color is None else color.get("rgba")
-            yield {**shape, "at": _origin(visual), "color": _floats(rgba, ())}
+            yield {**shape, "at": _listed(origin_of(visual)), "color": _floats(rgba, ())}
 
 
 def _shape(body: Element, mesh: _FindMesh) -> dict[str, Any] | None:
@@ -194,20 +195,18 @@ def _shape(body: Element, mesh: _FindMesh) -> dict[str, Any] | None:
     return None
 
 
-def _drawn_joint(element: Element, joint: Joint) -> dict[str, Any]:
-    axis = element.find("axis")
+def _drawn_joint(joint: Joint) -> dict[str, Any]:
     return {
         **{key: getattr(joint, key) for key in ("name", "type", "parent", "child")},
-        "at": _origin(element),
-        "axis": _floats(None if axis is None else axis.get("xyz"), (1.0, 0.0, 0.0)),
+        "at": _listed(joint.origin),
+        "axis": list(joint.axis),
         "mimic": None if joint.mimic is None else asdict(joint.mimic),
         "limits": [joint.lower, joint.upper] if joint.type in ("revolute", "prismatic") else [],
     }
 
 
-def _origin(part: Element) -> list[float]:
-    """Return x y z [m] and the quaternion w x y z of an `origin`."""
-    pose = origin_of(part)
+def _listed(pose: Pose) -> list[float]:
+    """Return x y z [m] and the quaternion w x y z."""
     return [*pose.position.tolist(), *pose.quaternion.tolist()]
 
 
