@@ -152,6 +152,7 @@ _PATTERNS = {
     r"^(/[A-Za-z_][A-Za-z0-9_]*)+$": "ROS name",
     r"^[a-z][a-z0-9_]*/(srv|action|msg)/[A-Z][A-Za-z0-9]*$": "interface",
     r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*$": "path of fields",
+    r"^-?[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*$": "path of fields, perhaps after a minus",
     get_args(CodePath)[1].pattern: "import path",
 }
 _PLURALS = re.compile(r"^(integer|number|text|name|ROS name|import path)(?= |$)")

@@ -15,7 +15,7 @@ from dataclasses import replace
 from grip_bt.base.errors import ContractError, listing, nearest
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
-from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile, PortType
+from grip_bt.task.catalog.component_file import FEEDBACK, LENGTHS, ComponentFile, GraspFields, PortType
 from grip_bt.task.catalog.ros_config import INTEGER_TYPES, FieldSpec, InterfaceSpec
 from grip_bt.task.validation.expressions import type_of
 
@@ -117,6 +117,9 @@ def _port_problems(component: ComponentFile, interface: InterfaceSpec, fields_of
                 yield f"ports: {name}: {field}"
             elif field is not None:
                 yield from (f"ports: {name}: {fault}" for fault in _faults(port, wanted, field, sent, fields_of))
+                if port.grasp is not None:
+                    faults = _grasp_faults(port.grasp, component, field, fields_of)
+                    yield from (f"ports: {name}/grasp: {fault}" for fault in faults)
     requests = {f.name for f in interface.request}
     for name in component.fixed:
         if name not in requests:
@@ -188,8 +191,7 @@ VALUE_OF = {
 }
 """Messages that have a value of GRIP's own."""
 _OWN = {*VALUE_OF.values(), "DepthImage"}
-_LENGTHS, _ANGLES = ("m", "cm", "mm", "in"), ("rad", "deg")
-_MEASURED = {"Pose": _LENGTHS, "PointCloud": _LENGTHS, "JointState": _ANGLES}
+_MEASURED = {"Pose": LENGTHS, "PointCloud": LENGTHS, "JointState": ("rad", "deg")}
 """Values that a unit can be said of."""
 _BUILTINS = {"bool": "bool", "string": "str", "wstring": "str", "float32": "float", "float64": "float"}
 
@@ -222,7 +224,7 @@ def _field_at(side: Sequence[FieldSpec], path: str, fields_of: FieldsOf) -> Fiel
 
 def _faults(port: PortType, wanted: Type, field: FieldSpec, sent: bool, fields_of: FieldsOf) -> Iterator[str]:
     """Yield what is wrong with a port of one side of an interface, the request where it is `sent`."""
-    if not _fits(wanted, field, port, sent, fields_of):
+    if port.grasp is None and not _fits(wanted, field, port, sent, fields_of):
         usual = port_type(replace(field, type=VALUE_OF.get(field.type, field.type)))
         yield f"the field is {field.spelling}, which can't be `{wanted}`: write `{usual}`"
     innermost = wanted
@@ -231,13 +233,32 @@ def _faults(port: PortType, wanted: Type, field: FieldSpec, sent: bool, fields_o
     inner = innermost.name
     if port.unit is not None:
         numbers = inner not in VALUES and inner not in ("bool", "str")
-        if not (port.unit in _MEASURED[inner] if inner in _MEASURED else numbers):
+        if not (port.unit in _MEASURED[inner] if inner in _MEASURED else numbers) and not (
+            port.grasp is not None and port.unit in LENGTHS
+        ):
             others = "".join(f" and {value}s" for value, units in _MEASURED.items() if port.unit in units)
             yield f"`{wanted}` has nothing in {port.unit}; `unit` is for numbers{others}"
     if port.quaternion is not None and (inner != "Pose" or "/" in field.type):
         yield "`quaternion` is the order of a Pose's rotation in an array of numbers; messages have x, y, z, w by name"
     if port.frame is not None and inner in BUILTINS:
         yield f"`{wanted}` is in no frame; `frame` is for poses, clouds and grasps"
+
+
+def _grasp_faults(said: GraspFields, component: ComponentFile, field: FieldSpec, fields_of: FieldsOf) -> Iterator[str]:
+    """Yield what is wrong with how a field's messages say a grasp."""
+    cameras = [n for n, p in component.ports.items() if p.type in ("DepthImage", "RgbdFrame", "CameraInfo")]
+    if said.camera is not None and said.camera not in cameras:
+        close, there_are = nearest(said.camera, cameras), listing(cameras, nothing="none")
+        yield f"camera: {said.camera!r} is no input with a camera{close} (there are: {there_are})"
+    vectors = (said.approach, said.closing) if said.position else ()
+    numbers = [number.field for number in said.numbers().values()]
+    for path in filter(None, (said.pose, said.position, *vectors, *numbers)):
+        inside = (replace(field, name="grasp", array=False),)
+        found = _field_at(inside, "grasp." + path.removeprefix("-"), fields_of)
+        if isinstance(found, str):
+            yield found.replace("'grasp'", field.type).replace("'grasp.", "'")
+        elif found is not None and path in numbers and (found.array or "/" in found.type):
+            yield f"{path} is {found.spelling}, which is no number"
 
 
 def _fits(wanted: Type, field: FieldSpec, port: PortType, sent: bool, fields_of: FieldsOf) -> bool:

@@ -9,14 +9,16 @@ from __future__ import annotations
 import dataclasses
 from array import array
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from grip_bt.base.failures import BadReplyError, CanceledError, GoalAbortedError
+from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, PointCloud, Pose
-from grip_bt.task.catalog.component_file import FEEDBACK, UNITS, ComponentFile, PortType
+from grip_bt.task.catalog.component_file import FEEDBACK, LENGTHS, UNITS, ComponentFile, PortType
 from grip_bt.task.catalog.ros_config import INTEGER_TYPES
 
 from .client.action import ActionClient
@@ -26,6 +28,7 @@ from .client.topic import TopicReader, TopicWriter
 from .client.types import ConversionError, FieldType, InterfaceType, Message, check_field, field_types
 from .convert import from_message, to_message
 from .frames import ROOT, FrameError, FrameTree, frame_of, transformed
+from .grasps import GraspReader, frame_id
 
 Client = ServiceClient | ActionClient | TopicReader | TopicWriter
 
@@ -61,19 +64,20 @@ class RosComponent:
 
     def _begin(self, request: Mapping[str, object]) -> Operation[Mapping[str, object]]:
         client, timeouts, moves = self.client, self.file.timeouts, self.file.moves
+        unpack = partial(self._unpack, request)
         limit = f" (`timeouts: {{call: {timeouts.call:g}}}` in component.yaml of {self.file.name})"
         if isinstance(client, ServiceClient):
             asked = self._adapter.pack(request, client.type.Request)
-            return client.call(asked, timeouts.call, timeouts.ready, not moves, limit).then(self._unpack)
+            return client.call(asked, timeouts.call, timeouts.ready, not moves, limit).then(unpack)
         if isinstance(client, ActionClient):
             goal = self._adapter.pack(request, client.type.Goal)
             cancel = timeouts.cancel
             sent = client.send(goal, timeouts.call, timeouts.ready, cancel_within=cancel, moves=moves, limit=limit)
-            whole = sent.then(self._unpack_end)
+            whole = sent.then(partial(self._unpack_end, request))
             whole.progress_through(self._feedback)
             return whole
         if isinstance(client, TopicReader):
-            return client.next(timeouts.call).then(self._unpack)
+            return client.next(timeouts.call).then(unpack)
         message = self._adapter.pack(request, client.type)
         return client.publish(message, 1, timeouts.ready).then(lambda _: Operation.finished({}))
 
@@ -86,7 +90,7 @@ class RosComponent:
         except ConversionError:
             return message  # a progress that can't be shown is no reason to give the goal up
 
-    def _unpack_end(self, end: GoalEnd) -> Operation[Mapping[str, object]]:
+    def _unpack_end(self, request: Mapping[str, object], end: GoalEnd) -> Operation[Mapping[str, object]]:
         if end.status == "canceled":
             raise CanceledError(f"component {self.file.name}: the goal was canceled")
         if end.status == "aborted":
@@ -94,9 +98,9 @@ class RosComponent:
             plain = {f: v for f, v in fields.items() if isinstance(v, (bool, int, float, str)) and v}
             said = f" ({', '.join(f'{f}: {v}' for f, v in plain.items())})" if plain else ""
             raise GoalAbortedError(f"component {self.file.name}: the server aborted the goal{said}", result=plain)
-        return self._unpack(end.result)
+        return self._unpack(request, end.result)
 
-    def _unpack(self, response: Message) -> Operation[Mapping[str, object]]:
+    def _unpack(self, request: Mapping[str, object], response: Message) -> Operation[Mapping[str, object]]:
         result: dict[str, object] = {}
         meaning = "success"
         if not self.file.rules:
@@ -104,7 +108,7 @@ class RosComponent:
         fields = [f for f in field_types(type(response)) if self.file.rules or f != "outcome"]
         for port, path in self.file.port_fields(fields).items():
             try:
-                result[port] = self._adapter.unpack(response, port, path)
+                result[port] = self._adapter.unpack(response, port, path, request)
             except ConversionError as error:
                 if meaning == "success":
                     reason = f"component {self.file.name}: {error.below(f'response.{path}')}"
@@ -125,7 +129,7 @@ class RosComponent:
         return number, self._meaning[number][1]
 
 
-_LENGTHS, _ANGLES = ("m", "cm", "mm", "in"), ("rad", "deg")
+_ANGLES = ("rad", "deg")
 
 
 class Adapter:
@@ -153,19 +157,22 @@ class Adapter:
             _put(fields, path.split("."), value)
         return to_message(fields, cls)
 
-    def unpack(self, message: Message, port: str, path: str) -> object:
-        """Return a port's value from its field.
+    def unpack(self, message: Message, port: str, path: str, request: Mapping[str, object] = FrozenDict()) -> object:
+        """Return a port's value from its field; `request`: what it is an answer to.
 
         Raises:
             ConversionError: the field isn't there, or isn't what the port says.
         """
         declared = self._file.ports.get(port)
-        raw = message
+        raw, frame = message, ""
         for name in path.split("."):
+            frame = frame_id(raw) or frame
             check_field(type(raw), name)
             raw = getattr(raw, name)
         if declared is None:
             return raw.tolist() if isinstance(raw, (array, np.ndarray)) else raw  # a `list[int]` is a list
+        if declared.grasp is not None:
+            return GraspReader(declared, frame, request, self._frames, self._file.name).read(raw)
         if declared.type == "Pose" and not hasattr(raw, "get_fields_and_field_types"):
             value: object = _pose_from_numbers(raw, declared)
         else:
@@ -187,8 +194,7 @@ class Adapter:
         if port.unit is not None:
             value = scaled(value, UNITS[port.unit], port.unit)
         first = raw[0] if isinstance(raw, (list, tuple)) and raw else raw
-        header = getattr(first, "header", None) or getattr(getattr(first, "pose", None), "header", None)
-        if port.frame is not None and not getattr(header, "frame_id", ""):
+        if port.frame is not None and not (frame_id(first) or frame_id(getattr(first, "pose", None))):
             value = _labelled(value, port.frame)
         return value
 
@@ -218,9 +224,9 @@ def scaled(value: object, factor: float, unit: str) -> object:
         raise ConversionError("", f"{value!r} has no unit")
     if isinstance(value, (int, float, np.number)):
         return float(value) * factor
-    if isinstance(value, Pose) and unit in _LENGTHS:
+    if isinstance(value, Pose) and unit in LENGTHS:
         return Pose(value.position * factor, value.quaternion, value.frame)
-    if isinstance(value, PointCloud) and unit in _LENGTHS:
+    if isinstance(value, PointCloud) and unit in LENGTHS:
         return dataclasses.replace(value, points=value.points * np.float32(factor))
     if isinstance(value, JointState) and unit in _ANGLES:
         return dataclasses.replace(value, position=value.position * factor)

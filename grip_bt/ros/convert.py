@@ -110,7 +110,7 @@ def from_message(message: Any, declared: Any = Any) -> Any:
         if isinstance(message, str) or not hasattr(message, "__len__"):
             raise ConversionError("", f"a sequence expected, got {_describe(message)}")
         inner = arguments[0] if arguments else Any
-        return origin(_each(message, lambda item: from_message(item, inner)))
+        return origin(each(message, lambda item: from_message(item, inner)))
     if origin is np.ndarray:
         return np.asarray(message)
     if wanted in (bool, int, float, str):
@@ -134,10 +134,10 @@ def _field(kind: FieldType, value: object) -> Any:
         return to_message(value, cls)
     if isinstance(value, (str, Mapping)) or not isinstance(value, Sequence):
         raise ConversionError("", f"a list of {kind.base} expected, got {_describe(value)}")
-    return _each(value, lambda item: to_message(item, cls))
+    return each(value, lambda item: to_message(item, cls))
 
 
-def _each(items: Iterable[object], turn: Callable[[Any], object]) -> list[object]:
+def each(items: Iterable[object], turn: Callable[[Any], object]) -> list[object]:
     """Turn each item, and say which one can't be turned."""
     turned = []
     for index, item in enumerate(items):
