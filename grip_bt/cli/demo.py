@@ -6,6 +6,7 @@ import argparse
 import json
 import signal
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from grip_bt.app.project.examples import examples_folder
 from grip_bt.app.runs.execute import open_session
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.base.values import Failure, Grasp
+from grip_bt.cli.bench import add_bench, run_bench
 from grip_bt.cli.run import add_run_options, exit_status, options_of, sentence, tell_end
 from grip_bt.cli.terminal import on_hang_up, on_stop
 from grip_bt.compilers.binding import parts_of
@@ -41,6 +43,7 @@ class Demo:
         check: path of the leaf that checks whether something is held; empty where there are no attempts.
         attempt: path of the node that is one attempt.
         project: its folder among the examples.
+        campaign: the campaign there that is run in place of one task.
     """
 
     task: str
@@ -48,6 +51,7 @@ class Demo:
     check: str = ""
     attempt: str = ATTEMPT
     project: str = ""
+    campaign: str = ""
 
 
 DEMOS = {
@@ -73,6 +77,12 @@ DEMOS = {
         "One arm holds a bottle; the other one's Allegro hand unscrews its cap with its fingertips.",
         project="unscrew",
     ),
+    "benchmark": Demo(
+        "benchmark",
+        "Four methods to grasp, each in a component with conventions of its own, on things that fell onto a table.",
+        project="benchmark",
+        campaign="campaigns/demo.yaml",
+    ),
 }
 
 
@@ -91,6 +101,8 @@ def run_demo(args: argparse.Namespace) -> int:
     demo, task = DEMOS[args.name], demo_task(args.name)
     if args.gui:
         return _show(task, args)
+    if demo.campaign:
+        return _measure(task.parent.parent / demo.campaign, args.json)
     began = time.monotonic()
     say: Callable[[str], None] = (lambda text: None) if args.json else print
     form = "state machine" if args.target == "sm" else "behaviour tree"
@@ -140,6 +152,13 @@ def summary(result: RunResult, attempts: list[Attempt], placed: int, objects: in
         "wall_in_all": wall,
         "message": str(result.error or result.failure or ""),
     }
+
+
+def _measure(campaign: Path, as_json: bool) -> int:
+    parser = argparse.ArgumentParser()
+    add_bench(parser)
+    results = Path(tempfile.mkdtemp(prefix="grip_demo_")) / f"{campaign.stem}.jsonl"
+    return run_bench(parser.parse_args([str(campaign), "-o", str(results), *(["--json"] if as_json else [])]))
 
 
 def _show(task: Path, args: argparse.Namespace) -> int:

@@ -15,18 +15,24 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grip_bt.base.values import JointState, Pose, Trajectory
+from grip_bt.base.values import Grasp, JointState, Pose, Trajectory
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.kinematics.spans import spans_of
 from grip_bt.nodes.objects import turned
 
-FILE = Path(__file__).parents[2] / "examples" / "nodes" / "hands.py"
-spec = importlib.util.spec_from_file_location("hands_under_test", FILE)
-nodes = importlib.util.module_from_spec(spec)
-sys.modules[spec.name] = nodes
-spec.loader.exec_module(nodes)
+
+def loaded(name):
+    file = Path(__file__).parents[2] / "examples" / "nodes" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(f"{name}_under_test", file)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+nodes, grasps = loaded("hands"), loaded("grasps")
 HANDS = ("panda", "ur5_robotiq", "xarm7_gripper", "panda_allegro", "panda_allegro_left", "ur10_shadow")
 LIMITS = {"approach": 0.12, "lift": 0.2, "torque_limit": 0.0}
 
@@ -131,3 +137,28 @@ def test_a_shake_goes_to_both_sides_smoothly_and_comes_back():
 def test_two_points_make_a_shake_too():
     forth, back = (Trajectory(("a",), [0.0, 1.0], [[0.0], [sign * 0.1]]) for sign in (1, -1))
     assert np.abs(nodes.swing(back, forth, 0.5, 1.0).positions).max() == pytest.approx(0.1, rel=0.03)
+
+
+@pytest.mark.parametrize("robot", ["panda", "ur5_robotiq", "xarm7_gripper"])
+@given(
+    spot=st.tuples(*[st.floats(-0.1, 0.1)] * 2, st.floats(0.0, 0.3)),
+    yaw=st.floats(-3, 3),
+    width=st.floats(0.005, 0.12),
+)
+@settings(max_examples=15, deadline=None)
+def test_a_grasp_of_two_fingers_is_fitted_to_whatever_gripper_there_is(robot, spot, yaw, width):
+    tips = Pose((0.5, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)).moved(spot)
+    tips = Pose(tips.position, (Pose(quaternion=turned(yaw)) @ tips).quaternion)
+    said = Grasp(tips, tips.moved((0, 0, 0.12)), tips.moved((0, 0, 0.15)), width=width)
+    spans = hand_of(robot).spans()
+    fitted = list(grasps.fitted_to(said, spans))
+    assert len(fitted) == (2 if width <= spans[0].gap else 0)
+    held = [span for span in spans if span.gap >= width][-1] if fitted else spans[0]
+    for grasp in fitted:
+        between = grasp.pose.apply([held.middle])[0]
+        np.testing.assert_allclose(between[:2], tips.position[:2], atol=1e-9)
+        assert between[2] >= tips.position[2] - 1e-9
+        assert abs(grasp.pose.rotation() @ held.axis @ tips.rotation()[:, 1]) > 1 - 1e-9
+        np.testing.assert_allclose(grasp.pose.rotation() @ held.inward, [0, 0, -1], atol=1e-6)
+        assert min(lowest(span, grasp.pose) for span in (spans[0], held)) > grasps.GAP - 1e-9
+        np.testing.assert_allclose(grasp.pre_grasp.position - grasp.pose.position, (0, 0, 0.12), atol=1e-9)
