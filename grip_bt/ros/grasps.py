@@ -7,7 +7,7 @@ tips, in world.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -51,7 +51,7 @@ class GraspReader:
         Raises:
             ConversionError: a field isn't there or isn't what is said; a frame isn't known.
         """
-        return each(raw, self._grasp) if self._several else self._grasp(raw)
+        return cast("list[Grasp]", each(raw, self._grasp)) if self._several else self._grasp(raw)
 
     def _grasp(self, item: Any) -> Grasp:
         said = self._said
