@@ -283,6 +283,14 @@ class StandInModule(ModuleType):
         return made
 
 
+def _asked_by_a_library() -> bool:
+    """Tell whether an installed library imports something, which it can do without."""
+    frame = sys._getframe(2)
+    while "importlib" in frame.f_code.co_filename and frame.f_back is not None:
+        frame = frame.f_back
+    return "-packages" in frame.f_code.co_filename and "grip_bt" not in frame.f_code.co_filename
+
+
 class StandInFinder(MetaPathFinder, Loader):
     """Comes last: what no other finder has is a stand-in; knows the packages that it stood in for.
 
@@ -305,7 +313,7 @@ class StandInFinder(MetaPathFinder, Loader):
         generated = fullname.partition(".")[2].split(".")[0] in ("msg", "srv", "action", "cfg")
         of_sources = generated and not any("-packages" in folder for folder in getattr(there, "__path__", ()))
         real = there is not None and not isinstance(there, StandInModule) and not of_sources
-        if package in sys.stdlib_module_names or real:
+        if package in sys.stdlib_module_names or real or _asked_by_a_library():
             return None
         if package not in self.packages:
             self.packages.append(package)

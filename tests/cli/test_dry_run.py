@@ -1,5 +1,6 @@
 """`grip run --stand-ins`: a legacy task runs where its packages, servers and parameters are missing, and names them."""
 
+import importlib
 import re
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import pytest
 
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.nodes.smach_source import LegacyFinder
+from grip_bt.nodes.stand_ins import StandInFinder
 
 LEGACY = """
 import rospy
@@ -138,3 +140,18 @@ def test_a_dry_run_leaves_the_process_as_it_was(project):
         assert session.runner.run().status == "success"
     assert [f for f in sys.meta_path if f not in before[0] and not isinstance(f, LegacyFinder)] == []
     assert not [name for name in set(sys.modules) - before[1] if name.startswith(("robot_of_ours", "rospy", "smach."))]
+
+
+def test_what_an_installed_library_can_do_without_stays_missing(tmp_path, monkeypatch):
+    library = tmp_path / "site-packages" / "library_of_others.py"
+    library.parent.mkdir()
+    library.write_text("try:\n    import faster_of_others\n    FAST = True\nexcept ImportError:\n    FAST = False\n")
+    (tmp_path / "code_of_ours.py").write_text("import driver_of_others\nimport library_of_others\n")
+    finder = StandInFinder()
+    monkeypatch.setattr(sys, "meta_path", [*sys.meta_path, finder])
+    monkeypatch.setattr(sys, "path", [str(tmp_path), str(library.parent), *sys.path])
+    ours = importlib.import_module("code_of_ours")
+    assert finder.packages == ["driver_of_others"]
+    assert ours.library_of_others.FAST is False
+    for name in ("code_of_ours", "library_of_others", "driver_of_others"):
+        monkeypatch.delitem(sys.modules, name)

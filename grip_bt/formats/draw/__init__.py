@@ -12,7 +12,7 @@ from xml.sax.saxutils import escape, quoteattr
 from grip_bt.task import KINDS, AnyNode, Leaf, Task, children_of, join, walk
 from grip_bt.task.catalog import Catalog
 
-from .layout import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, Pill, text_width
+from .layout import NAME_SIZE, TEXT_SIZE, Box, Line, Pill, text_width
 from .views import (
     GLYPHS,
     ICON,
@@ -43,20 +43,15 @@ _INK, _QUIET, _LINE, _PAPER = "#1d2329", "#59626c", "#6b747e", "#fcfcfb"
 _TICK = {"success": "M-4 0l3 3l5-6", "failure": "M-3-3l6 6M3-3l-6 6"}
 
 
-def to_svg(task: Task, catalog: Catalog, view: View = "tree", paths: bool = False) -> str:
+def to_svg(task: Task, catalog: Catalog, view: View = "tree") -> str:
     """Return a picture of a task.
 
     Args:
         task: the task; it need not be valid.
         catalog: where the nodes' documentation is, for the titles that a pointer shows.
         view: `tree` (every node a box, order from top to bottom) or `flow` (containers as frames, links inside).
-        paths: whether each node's group says its path (`data-path`), for pages that light nodes.
     """
     figure = tree_figure(task, catalog) if view == "tree" else flow_figure(task, catalog)
-    return _svg(figure, f"{task.name}, {view} view", paths)
-
-
-def _svg(figure: Figure, name: str, paths: bool = False) -> str:
     width, height = round(figure.width), round(figure.height)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
@@ -67,10 +62,10 @@ def _svg(figure: Figure, name: str, paths: bool = False) -> str:
         f'orient="auto-start-reverse"><path d="M0 .8L7.5 4L0 7.200z" fill="{_LINE}"/></marker></defs>'
     )
     body = [
-        f"<title>{escape(name)}</title>",
+        f"<title>{escape(task.name)}, {view} view</title>",
         arrow,
         f'<rect width="{width}" height="{height}" fill="{_PAPER}"/>',
-        *(_box(box, paths) for box in figure.boxes),
+        *(_box(box) for box in figure.boxes),
         *(_path(line) for line in figure.lines),
         *(_pill(pill) for pill in figure.pills),
         *(label for line in figure.lines for label in _label(line)),
@@ -87,7 +82,7 @@ def _text(x: float, y: float, words: str, **attributes: str) -> str:
     return f'<text x="{_number(x)}" y="{_number(y)}"{more}>{escape(words)}</text>'
 
 
-def _box(box: Box, path: bool) -> str:
+def _box(box: Box) -> str:
     fill, border = _COLOURS.get(box.kind, _DECORATOR)
     radius = 10 if box.frame else 6
     parts = [f"<title>{escape(box.title)}</title>"] if box.title else []
@@ -110,8 +105,7 @@ def _box(box: Box, path: bool) -> str:
         parts.extend(_text(beside, y, line, fill=_QUIET) for line in box.lines)
     else:
         parts.extend(_text(x, y + LINE_HEIGHT * row, line, fill=_QUIET) for row, line in enumerate(box.lines, 1))
-    mark = f" data-path={quoteattr(box.path)}" if path else ""
-    return f"<g{mark}>{''.join(parts)}</g>"
+    return f"<g>{''.join(parts)}</g>"
 
 
 def _path(line: Line) -> str:

@@ -29,7 +29,6 @@ class Box:
     lines: tuple[str, ...] = ()
     title: str = ""
     frame: bool = False
-    path: str = ""
 
 
 @dataclass(frozen=True)

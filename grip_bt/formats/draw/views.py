@@ -24,7 +24,7 @@ from grip_bt.formats.draw.layout import (
     shortened,
     text_width,
 )
-from grip_bt.task import KINDS, AnyNode, Container, Leaf, Task, children_of, join, outcomes_of, walk
+from grip_bt.task import KINDS, AnyNode, Container, Leaf, Task, children_of, outcomes_of, walk
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.kind_analysis import links
 
@@ -122,7 +122,7 @@ def tree_figure(task: Task, catalog: Catalog) -> Figure:
     figure = Figure(left[-1] - _COLUMN_GAP + _MARGIN, height)
     for path, box in boxes.items():
         x, y = left[depth[path]], items[path].y
-        figure.boxes.append(replace(box, x=x, y=y - box.height / 2, path=path))
+        figure.boxes.append(replace(box, x=x, y=y - box.height / 2))
         if path != "/":
             parent = _parent(path)
             start, from_y = left[depth[path] - 1] + boxes[parent].width, items[parent].y
@@ -142,24 +142,24 @@ _PORT_GAP = 16.0
 
 def flow_figure(task: Task, catalog: Catalog) -> Figure:
     """Lay out a task as nested flow charts."""
-    inner = _node_figure(task.name, "/", task.root, catalog)
+    inner = _node_figure(task.name, task.root, catalog)
     figure = Figure(inner.width + 2 * _FLOW_MARGIN, inner.height + 2 * _FLOW_MARGIN)
     figure.add(inner, _FLOW_MARGIN, _FLOW_MARGIN)
     return figure
 
 
-def _node_figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figure:
+def _node_figure(name: str, node: AnyNode, catalog: Catalog) -> Figure:
     if isinstance(node, Leaf):
         said = details(node)[: bool(node.precondition) + bool(node.with_)]  # links say where its ends lead
-        box = replace(box_of(name, node, catalog, [describe(node), *said]), path=path)
+        box = box_of(name, node, catalog, [describe(node), *said])
         return Figure(box.width, box.height, [box])
-    children = {n: _node_figure(n, join(path, n), child, catalog) for n, child in children_of(node).items()}
+    children = {n: _node_figure(n, child, catalog) for n, child in children_of(node).items()}
     inside = _inside(children, outcomes_shown(node), links_of(node))
     words = describe(node) + (f", only if {node.precondition}" if node.precondition else "")
     header = ICON + text_width(name, NAME_SIZE, bold=True) + 10 + text_width(words, TEXT_SIZE)
     width = max(inside.width, header) + 2 * _FRAME_PAD
     height = _HEADER + inside.height + _FRAME_PAD
-    frame = Box(0, 0, width, height, kind_of(node), name, (words,), node.doc, True, path)
+    frame = Box(0, 0, width, height, kind_of(node), name, (words,), node.doc, True)
     figure = Figure(width, height, [frame])
     figure.add(inside, (width - inside.width) / 2, _HEADER)
     return figure
