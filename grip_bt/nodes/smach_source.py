@@ -98,6 +98,7 @@ def _converter() -> Any:
 _HIGHEST = 5
 """How many folders above a package a workspace may begin."""
 _BUILT = ("build", "install", "devel", "log")
+_MANIFESTS = ("package.xml", "manifest.xml")  # the second one is rosbuild's
 
 
 @dataclass(frozen=True)
@@ -111,8 +112,8 @@ class Workspace:
 
 @lru_cache(maxsize=64)
 def workspace_of(file: Path, bound: Path | None = None) -> Workspace:
-    """Return the workspace around a file, found by `package.xml` and `setup.py`; `bound`: its folder, if known."""
-    package = next((p for p in file.parents if (p / "package.xml").is_file() or (p / "setup.py").is_file()), None)
+    """Return the workspace around a file, found by its packages' manifests; `bound`: its folder, if known."""
+    package = next((p for p in file.parents if any((p / name).is_file() for name in (*_MANIFESTS, "setup.py"))), None)
     root = bound or (_root(package) if package is not None else file.parent)
     packages, folders = {}, [file.parent, package_of(file)[0]]
     for folder in _packages(root) if package is not None or bound is not None else ():
@@ -141,7 +142,7 @@ def _root(package: Path) -> Path:
 def _packages(root: Path) -> Iterator[Path]:
     for at, folders, files in os.walk(root):
         folders[:] = sorted(f for f in folders if f[0] != "." and f not in (*_BUILT, "node_modules"))
-        if "package.xml" in files or ("setup.py" in files and Path(at) != root):
+        if {*_MANIFESTS} & {*files} or ("setup.py" in files and Path(at) != root):
             yield Path(at)
 
 
@@ -169,7 +170,8 @@ class LegacyFinder(MetaPathFinder, Loader):
         for folder in map(Path, path) if path is not None else self.folders:
             for file in (folder / last / "__init__.py", folder / f"{last}.py"):
                 if file.is_file():
-                    return spec_from_file_location(fullname, file, loader=self, submodule_search_locations=_below(file))
+                    below = [str(file.parent)] if file.name == "__init__.py" else None
+                    return spec_from_file_location(fullname, file, loader=self, submodule_search_locations=below)
         return None
 
     def create_module(self, spec: ModuleSpec) -> None:
@@ -178,10 +180,6 @@ class LegacyFinder(MetaPathFinder, Loader):
     def exec_module(self, module: ModuleType) -> None:
         """Execute it."""
         exec(self.compiled(Path(str(module.__file__))), module.__dict__)
-
-
-def _below(file: Path) -> list[str] | None:
-    return [str(file.parent)] if file.name == "__init__.py" else None
 
 
 def _compiled(file: Path) -> CodeType:
@@ -203,6 +201,14 @@ def module_name(path: Path) -> str:
     return name if packaged else f"grip_legacy_{sha256(str(path).encode()).hexdigest()[:12]}"
 
 
+class LegacySubmodules(MetaPathFinder):
+    """Comes first, for what lies in packages that a legacy finder has found: it may be as old as they are."""
+
+    def find_spec(self, fullname: str, path: Sequence[str] | None = None, target: object = None) -> ModuleSpec | None:
+        loader = getattr(sys.modules.get(fullname.rpartition(".")[0]), "__loader__", None)
+        return loader.find_spec(fullname, path) if isinstance(loader, LegacyFinder) else None
+
+
 _finder = LegacyFinder(())
 
 
@@ -214,6 +220,7 @@ def prepare_imports(path: Path, ros: bool = True) -> None:
             _finder.folders.append(folder)
     if _finder not in sys.meta_path:
         sys.meta_path.append(_finder)
+        sys.meta_path.insert(0, LegacySubmodules())
 
 
 def load_legacy(path: Path, ros: bool = True) -> ModuleType:

@@ -285,8 +285,8 @@ class StandInModule(ModuleType):
 
 def _asked_by_a_library() -> bool:
     """Tell whether an installed library imports something, which it can do without."""
-    frame = sys._getframe(2)
-    while "importlib" in frame.f_code.co_filename and frame.f_back is not None:
+    frame = sys._getframe(1)
+    while frame.f_back is not None and (frame.f_code.co_name == "find_spec" or "importlib" in frame.f_code.co_filename):
         frame = frame.f_back
     return "-packages" in frame.f_code.co_filename and "grip_bt" not in frame.f_code.co_filename
 

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from grip_bt.app.runs.execute import RunOptions, open_session
-from grip_bt.nodes.smach_source import LegacyFinder
+from grip_bt.nodes.smach_source import LegacyFinder, LegacySubmodules
 from grip_bt.nodes.stand_ins import StandInFinder
 
 LEGACY = """
@@ -138,7 +138,7 @@ def test_a_dry_run_leaves_the_process_as_it_was(project):
     before = list(sys.meta_path), set(sys.modules)
     with open_session(project / "lift.yaml", RunOptions(stand_ins=True, robot="fake")) as session:
         assert session.runner.run().status == "success"
-    assert [f for f in sys.meta_path if f not in before[0] and not isinstance(f, LegacyFinder)] == []
+    assert [f for f in sys.meta_path if f not in before[0] and not isinstance(f, LegacyFinder | LegacySubmodules)] == []
     assert not [name for name in set(sys.modules) - before[1] if name.startswith(("robot_of_ours", "rospy", "smach."))]
 
 
@@ -155,3 +155,19 @@ def test_what_an_installed_library_can_do_without_stays_missing(tmp_path, monkey
     assert ours.library_of_others.FAST is False
     for name in ("code_of_ours", "library_of_others", "driver_of_others"):
         monkeypatch.delitem(sys.modules, name)
+
+
+def test_a_package_of_python_2_runs_with_all_its_modules(project, tmp_path):
+    package = tmp_path / "workspace" / "old_robot"
+    (package / "src" / "old_robot" / "utils").mkdir(parents=True)
+    (package / "manifest.xml").write_text("<package/>")
+    for folder in ("old_robot", "old_robot/utils"):
+        (package / "src" / folder / "__init__.py").write_text("")
+    (package / "src" / "old_robot" / "utils" / "labels.py").write_text('print "labels"\nDONE = "done"\n')
+    legacy = package / "nodes" / "run.py"
+    legacy.parent.mkdir()
+    legacy.write_text("from old_robot.utils.labels import DONE\n")
+    script = "import sys; from pathlib import Path; from grip_bt.nodes.smach_source import load_legacy; "
+    script += "sys.stdout.write(load_legacy(Path(sys.argv[1]), ros=False).DONE)"
+    done = subprocess.run([sys.executable, "-c", script, str(legacy)], capture_output=True, text=True, timeout=600)
+    assert done.stdout == "labels\ndone", done.stderr

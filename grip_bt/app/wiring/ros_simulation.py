@@ -32,7 +32,6 @@ from grip_sim.specs import CameraSpec
 
 JOINT_STATES = "/joint_states"
 PACKAGES = ("control_msgs", "controller_manager_msgs", "grip_msgs", "simulation_interfaces", "tf2_msgs")
-"""Of the interfaces that clients need."""
 LONG = 60.0
 """So long a piece of simulated time is waited for at once [s]; nothing happens between two pieces."""
 
@@ -125,8 +124,7 @@ def serve_world(
         stack.callback(RobotStatePublisher(bus, project.description(), measured, fixed, now=now).close)
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
-        drawn = partial(world_of, project, world=world)
-        SimulationServices(bus, simulation, drawn, project.folder, now)
+        SimulationServices(bus, simulation, partial(world_of, project, world=world), project.folder, now)
         progress("world", "/spawn_entity, /reset_simulation ... (simulation_interfaces), /grip_sim/inject_fault")
         reached = {name: {way: action} for name, (way, action) in actions.items()}
         settings = {"ros": {"joint_states": joints, "controllers": reached, "cameras": cameras}}

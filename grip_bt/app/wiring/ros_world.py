@@ -103,7 +103,7 @@ class SimulationServices:
                 code, message = error.code, str(error)
             except UnknownNameError as error:
                 code, message = self._result.RESULT_NOT_FOUND, str(error)
-            except (GripError, ValueError) as error:
+            except (GripError, ValueError, re.error) as error:
                 code, message = self._result.RESULT_OPERATION_FAILED, str(error)
             if hasattr(said, "result"):
                 said.result.result, said.result.error_message = code, message
@@ -115,18 +115,11 @@ class SimulationServices:
 
     def _features(self, asked: Message, said: Message) -> None:
         said.features.features = [getattr(said.features, name) for name in FEATURES]
-        said.features.custom_info = (
-            "entities are the world's objects; a uri is an object's name or its file; time goes on after a reset"
-        )
 
     def _entities(self, asked: Message, said: Message) -> None:
         if asked.filters.categories or asked.filters.tags.tags or asked.filters.bounds.type:
             raise _RefusedError(self._result.RESULT_FEATURE_UNSUPPORTED, "only `filter`, of names, is supported")
-        try:
-            wanted = re.compile(asked.filters.filter)
-        except re.error as error:
-            raise ValueError(f"the filter is no regular expression: {error}") from None
-        said.entities = [name for name in self._objects() if wanted.search(name)]
+        said.entities = [name for name in self._objects() if re.search(asked.filters.filter, name)]
 
     def _objects(self) -> Mapping[str, tuple[Pose, Array]]:
         """Return each object's pose in world, and how it moves: 3 velocities [m/s] and 3 turning rates [rad/s]."""

@@ -26,20 +26,16 @@ _OF_EDITOR = (
 
 
 def read(request: Request) -> Imported:
-    """Return the tasks and the files of a project that a file or a folder becomes; see `import_grip`."""
-    return import_grip(request.path)
-
-
-def import_grip(path: Path) -> Imported:
     """Read tasks and configurations of the first GRIP; nothing is run, and nothing is written.
 
     Args:
-        path: a YAML file of a task in text form or of a robot's configuration, or a folder of such.
+        request: of a YAML file of a task in text form or of a robot's configuration, or a folder of such.
 
     Raises:
         DocumentError: it can't be read.
         GripError: there is nothing of the first GRIP in it, or a task is broken.
     """
+    path = request.path
     if not path.exists():
         raise GripError(f"{path}: there is no such file or folder")
     files = sorted(p for p in path.rglob("*") if p.suffix in _FILES) if path.is_dir() else [path]
@@ -51,10 +47,6 @@ def import_grip(path: Path) -> Imported:
                 raise GripError(f"{path}: {_OF_EDITOR}")
             found.issues.add("incomplete", file.name, _OF_EDITOR)
         elif file.suffix == ".scene":
-            if found.scene is not None:
-                found.issues.add(
-                    "incomplete", file.name, f"taken instead of {found.scene.name}: a project has one scene"
-                )
             found.scene = file
         elif (data := _task_data(file)) is not None:
             originals.append(text_task(data, file.name))

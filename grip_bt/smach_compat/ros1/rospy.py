@@ -5,6 +5,7 @@ ROS 2 has no server of parameters: `set_param` and the file of the setting `para
 
 from __future__ import annotations
 
+import importlib
 import os
 import queue
 import sys
@@ -26,6 +27,14 @@ from . import Time as Time
 from . import now as get_rostime
 
 DEBUG, INFO, WARN, ERROR, FATAL = 1, 2, 4, 8, 16
+
+
+def __getattr__(name: str) -> Any:
+    if name != "Header":  # of messages, which nothing else here needs
+        raise AttributeError(f"module 'rospy' has no attribute {name!r}")
+    return importlib.import_module("std_msgs.msg").Header
+
+
 SLICE = 1.0
 """How often a wait without end looks whether ROS was shut down [s]."""
 
