@@ -15,7 +15,7 @@ ROBOT = "grip: 1\nrobot: panda_allegro\narms: {right: {group: arm}}\n"
         (
             ROBOT + "ros: {controllers: {right: {positions: /commands}}}\n",
             "table",
-            "ros/controllers/right: only `trajectory` controllers are simulated",
+            "ros/controllers/right: only `trajectory` and `gripper` controllers are simulated",
         ),
     ],
 )

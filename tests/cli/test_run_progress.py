@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from grip_bt.cli.__main__ import main
-from grip_bt.cli.run import _tell
+from grip_bt.cli.run import tell_end
 from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import result_facts
 from grip_bt.runtime.motion_end import Rest
@@ -64,14 +64,14 @@ def test_that_the_simulator_starts_is_said_before_it_is_there(
 
 def test_what_was_measured_after_a_stop_is_in_the_result(capsys):
     result = RunResult(None, None, "stopped", None, 3, 1.0, rest=Rest(("hand",), {"right": "the server says nothing"}))
-    _tell({**result_facts(result), "run": "1"}, as_json=True)
+    tell_end({**result_facts(result), "run": "1"}, as_json=True)
     said = json.loads(capsys.readouterr().out)
     assert said["unconfirmed"] == {"right": "the server says nothing"}
     assert said["rest"] == "could not confirm that 'right' stopped: the server says nothing; 'hand' is at rest"
 
 
 def test_a_stop_before_there_is_a_run_names_none(capsys):
-    _tell({"status": "stopped", "outcome": None, "message": "before the task began", "run": None}, as_json=False)
+    tell_end({"status": "stopped", "outcome": None, "message": "before the task began", "run": None}, as_json=False)
     assert capsys.readouterr().out == "stopped: before the task began; no run was started\n"
 
 

@@ -287,5 +287,5 @@ def test_an_xml_file_is_what_its_outermost_element_says(tmp_path):
     (tmp_path / "r.xml").write_text(urdf())
     found = inspect_robot("r.xml", tmp_path)
     assert not [f for f in found.findings if f.severity == "error"]
-    (tmp_path / "r.xml").write_text("<mujocu/>")
-    assert any("has to be <mujoco>, not <mujocu>" in f.message for f in inspect_robot("r.xml", tmp_path).findings)
+    (tmp_path / "r.xml").write_text("<mujoco/>")
+    assert any("has to be <robot>, not <mujoco>" in f.message for f in inspect_robot("r.xml", tmp_path).findings)

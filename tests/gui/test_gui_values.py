@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import re
-import sqlite3
 from base64 import b64decode
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -93,21 +90,6 @@ def test_what_a_write_wrote_is_shown_with_its_drawing(page: TestClient, written:
     assert "40 points" in cloud["caption"]
     assert depth["caption"] == "2 x 1 pixels, 1 to 2 m"
     assert (number["text"], number["picture"]) == ("3", "")
-
-
-def test_the_list_of_runs_marks_what_is_damaged(page: TestClient, project: Path, written: str) -> None:
-    file = project / ".grip" / "runs.sqlite"
-    with Journal(file) as journal:
-        whole = journal.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
-        whole.append(1.0, "first", "exit", "success", None, {})
-        whole.end("success", None)
-    with closing(sqlite3.connect(file)) as database, database:
-        changed = "UPDATE blocks SET content=substr(content, 1, 3) || x'55' || substr(content, 5) WHERE run=?"
-        assert database.execute(changed, (written,)).rowcount
-    for _ in range(2):  # looked for, then known
-        said = {run["id"]: run["damage"] for run in page.get("/api/runs").json()}
-        assert said[str(whole.id)] == ""
-        assert re.fullmatch(r"(\d+) of its \1 events can't be read; the rest is shown", said[written])
 
 
 @pytest.mark.parametrize("seq", ["4", "99", "0", "-1", "x", str(2**70)])

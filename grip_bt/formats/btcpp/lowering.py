@@ -163,11 +163,12 @@ class Lowering:
     def _foreign(self, part: Part, node: model.Foreign) -> Xml:
         """Return a behaviour of py_trees as a leaf, to be written in C++."""
         name = node.behaviour.partition(":")[2].rpartition(".")[2]
-        ports = {port: Parameter(type="Any") for port in node.args}
+        args = {port: value for port, value in node.args.items() if port != "name"}  # which every node has
+        ports = {port: Parameter(type="Any") for port in args}
         face = Manifest(id=f"{GROUP}/{name}", doc=node.behaviour, implementation="", parameters=FrozenDict(ports))
         self.used[face.id] = face
         try:
-            given = {port: _literal(value, "Any") for port, value in node.args.items()}
+            given = {port: _literal(value, "Any") for port, value in args.items()}
         except ValueError as error:
             raise self.refuse(part, f"its arguments ({error})") from error
         return xml(name, name=part.path, **given, _onSuccess=_WELL, _onFailure=f"{_FAILED}'foreign'")
