@@ -237,9 +237,7 @@ class GripperController(Controller):
     _executor: HandPort
 
     def _takes(self, goal: Message) -> bool:
-        return bool(
-            np.isfinite([goal.command.position, goal.command.max_effort]).all() and goal.command.max_effort >= 0
-        )
+        return bool(np.isfinite(goal.command.position) and 0 <= goal.command.max_effort < np.inf)
 
     def _move(self, goal: _Goal) -> Operation[JointState]:
         command = goal.handle.request.command
@@ -275,8 +273,7 @@ class ControllerManager:
     def __init__(self, bus: Bus, controllers: Sequence[Controller]):
         ensure_package("controller_manager_msgs")
         self._controllers = {each.name: each for each in controllers}
-        state = load_type("controller_manager_msgs/msg/ControllerState")
-        self._state = state
+        self._state = load_type("controller_manager_msgs/msg/ControllerState")
         answers = {"ListControllers": self._list, "SwitchController": self._switch}
         types = {name: load_type(f"controller_manager_msgs/srv/{name}") for name in answers}
 
