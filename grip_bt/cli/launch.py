@@ -18,9 +18,10 @@ from grip_bt.base.errors import GripError
 from grip_bt.cli import NODE_ERROR, STOPPED
 from grip_bt.cli.parser import add_no_code, number
 from grip_bt.cli.terminal import complain, on_stop, progress, tell
-from grip_bt.ros.launch import read_elements
-from grip_bt.ros.launch.group import Member, ProcessGroup
-from grip_bt.ros.launch.interpreter import is_launch_file, members_of_file
+from grip_bt.ros.process import child_environment, launch_command
+from grip_bt.ros.process_group import Member, ProcessGroup
+
+SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml", ".launch", ".xml", ".yaml", ".yml", ".py")
 
 
 def add_launch(parser: argparse.ArgumentParser) -> None:
@@ -29,8 +30,6 @@ def add_launch(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
     parser.add_argument("--follow", action="store_true", help="print what the processes print")
     parser.add_argument("--check", action="store_true", help="start nothing; print what would be run")
-    parser.add_argument("--show-args", action="store_true", help="start nothing; print the arguments of a launch file")
-    parser.add_argument("--own", action="store_true", help="use GRIP's launch reader even where `ros2 launch` is")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the project as a ROS 2 launch file (.xml)")
     parser.add_argument("--json", action="store_true", help="with --check: one JSON list")
     add_no_code(parser)
@@ -42,13 +41,10 @@ def run_launch(args: argparse.Namespace) -> int:
         args.write.write_text(launch_file_of(find_project(args.project), args.write.parent), encoding="utf-8")
         print(f"{args.write}: run it by `ros2 launch {args.write}` or `grip launch {args.write}`")
         return 0
-    if args.show_args:
-        return _show_arguments(args.what)
     project, members = _members(args)
     if args.check:
-        after = (f" (after {member.after:g} s)" if member.after else "" for member in members)
-        lines = [f"{m.name}{said}: {shlex.join(m.command)}" for m, said in zip(members, after, strict=True)]
-        tell(args.json, [{"name": m.name, "command": list(m.command), "after": m.after} for m in members], lines)
+        lines = [f"{m.name}: {shlex.join(m.command)}" for m in members]
+        tell(args.json, [{"name": m.name, "command": list(m.command)} for m in members], lines)
         return 0
     if not members:
         file = project.folder / FILE_NAME
@@ -58,30 +54,18 @@ def run_launch(args: argparse.Namespace) -> int:
     return _supervise(members, project.state_folder / "logs" / "launch", args.follow)
 
 
-def _show_arguments(what: Sequence[str]) -> int:
-    if len(what) != 1:
-        raise GripError("--show-args: name one launch file")
-    arguments = list(read_elements(Path(what[0])).of("arg"))
-    for argument in arguments:
-        said, values = argument.attributes, [choice.attributes.get("value", "") for choice in argument.of("choice")]
-        default = f"default {said['default']!r}" if "default" in said else "needed"
-        choices, doc = f", one of {', '.join(values)}" if values else "", said.get("description")
-        print(f"{said.get('name', '')}: {default}{choices}{f'; {doc}' if doc else ''}")
-    if not arguments:
-        print("the file declares no arguments")
-    return 0
-
-
 def _members(args: argparse.Namespace) -> tuple[Project, list[Member]]:
     project = find_project(args.project)
-    if args.what and is_launch_file(args.what[0]):
-        found = {}
+    if args.what and args.what[0].endswith(SUFFIXES):
+        file, found = Path(args.what[0]), {}
+        if not file.is_file():
+            raise GripError(f"{file}: there is no such file")
         for word in args.what[1:]:
             name, sign, value = word.partition(":=")
             if not sign or not name:
                 raise GripError(f"{word!r} isn't an argument of a launch file: NAME:=VALUE")
             found[name] = value
-        return project, members_of_file(Path(args.what[0]), found, own_reader=args.own)
+        return project, [Member(file.name, launch_command(file, found), Path.cwd(), child_environment(()))]
     return project, project_members(project, args.what)
 
 

@@ -6,9 +6,8 @@ import argparse
 import json
 import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,6 @@ from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.app.wiring.parts import silent
 from grip_bt.cli import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
-from grip_bt.cli.debug_prompt import Prompt, breakpoint_of
 from grip_bt.cli.parser import add_no_code, number, whole
 from grip_bt.cli.terminal import on_stop, progress, tell
 from grip_bt.runtime import JournalReader, RunResult, serve_control
@@ -63,12 +61,8 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     add("--mock", action="append", default=[], metavar="NODE=SCRIPT", help=script)
     add("--mocks", type=Path, metavar="FILE", help="scripts of several nodes (YAML)")
     group = parser.add_argument_group("control")
-    add = group.add_mutually_exclusive_group().add_argument
-    add("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
-    add("--debug", action="store_true", help="start paused; step, set breakpoints, inspect data")
-    place = "pause there: 'NODE', 'NODE:OUTCOME', 'NODE if EXPRESSION' (implies --debug, unless --control)"
     add = group.add_argument
-    add("--break", dest="breaks", action="append", default=[], type=breakpoint_of, metavar="PLACE", help=place)
+    add("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
     add("--in-process", action="store_true", help="run in this process, for debuggers and profilers of Python")
     add_no_code(parser)
     group = parser.add_argument_group("resuming a run")
@@ -164,7 +158,6 @@ def options_of(args: argparse.Namespace) -> RunOptions:
 def run_run(args: argparse.Namespace) -> int:
     """Run the task; the exit status tells how it ended."""
     _check_usage(args)
-    debug = args.debug or (bool(args.breaks) and not args.control)
     options = replace(
         options_of(args),
         data=dict(args.data),
@@ -172,8 +165,6 @@ def run_run(args: argparse.Namespace) -> int:
         rate=args.rate,
         ticks=args.ticks,
         watchdog=args.watchdog or None,
-        breaks=args.breaks,
-        paused=debug and not args.breaks,
         mocks=read_mocks(args.mocks, args.mock),
         durable=args.durable,
         stand_ins=args.stand_ins,
@@ -181,7 +172,7 @@ def run_run(args: argparse.Namespace) -> int:
     if args.resume or args.fork:
         plan = _prepared(args, options)
         args.task, options = plan.task, plan.options
-    return _run_here(args, options) if args.in_process else _supervise(args, options, debug)
+    return _run_here(args, options) if args.in_process else _supervise(args, options)
 
 
 def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
@@ -207,9 +198,8 @@ def exit_status(end: RunEnd) -> int:
     return _EXIT_STATUS["failure" if end.get("contradiction") else end["status"]]
 
 
-def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> int:
+def _supervise(args: argparse.Namespace, options: RunOptions) -> int:
     """Run in a child process, pass on what goes either way, and return the exit status."""
-    prompt: Prompt | None = None
 
     def told(event: Mapping[str, Any]) -> None:
         if event["event"] == "progress":
@@ -220,19 +210,12 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> in
                 print(json.dumps(event), flush=True)
             except (OSError, ValueError):
                 supervisor.stop(lost=True)
-        elif prompt is not None:
-            prompt.told(event)
 
-    supervisor = Supervisor(str(args.task), options, told, options.watchdog, own_input=not (args.control or debug))
-    if debug:
-        prompt = Prompt(supervisor.send, lambda text: print(text, flush=True), patient=not sys.stdin.isatty())
+    supervisor = Supervisor(str(args.task), options, told, options.watchdog, own_input=not args.control)
     supervisor.start()
     on_stop(supervisor.stop)
-    if args.control or prompt is not None:
-        listen: Callable[[], None] = partial(_pass_on, supervisor)
-        if prompt is not None:
-            listen = partial(prompt.listen, sys.stdin)
-        threading.Thread(target=listen, name="grip_input", daemon=True).start()
+    if args.control:
+        threading.Thread(target=_pass_on, args=(supervisor,), name="grip_input", daemon=True).start()
     end = supervisor.wait()
     if end["event"] == "failed":
         print(end["message"], file=sys.stderr)

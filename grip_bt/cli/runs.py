@@ -75,7 +75,6 @@ def run_runs(args: argparse.Namespace) -> int:
                 _data(reader, run, args.json)
             else:
                 _list(reader, args.json, run)
-        reader.raise_if_damaged()
     return 0
 
 
@@ -180,5 +179,4 @@ def run_replay(args: argparse.Namespace) -> int:
             until.place(list(reader.iterate(found)), found)
         if not args.json:
             print("\n".join(moment_lines(moment, None if until else reader.run(found))))
-        reader.raise_if_damaged()
     return 0

@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.project.folder import find_project
@@ -19,9 +19,6 @@ from grip_bt.task import fmt, read, read_text, schema
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 from grip_bt.task.validation import validate
-
-if TYPE_CHECKING:
-    from grip_bt.task.edit import Edited
 
 
 def add_check(parser: argparse.ArgumentParser) -> None:
@@ -98,7 +95,6 @@ def add_apply(parser: argparse.ArgumentParser) -> None:
         "command",
         help='a command, or a list, in JSON, such as \'{"do": "rename", "path": "a", "name": "b"}\'; - reads stdin',
     )
-    parser.add_argument("--inverse", metavar="FILE", help="write the command that undoes everything")
     parser.add_argument("--dry-run", action="store_true", help="print the resulting text; change no file")
 
 
@@ -106,16 +102,12 @@ def run_apply(args: argparse.Namespace) -> None:
     words = sys.stdin.read() if args.command == "-" else args.command
     document, catalog = read(args.task), project_catalog(args.task)
     files: dict[str, str] = {}
-    inverses: list[Any] = []
-    for data in _listed(words):
-        edited = _applied(data, document, catalog, files)
-        document = edited.document
-        inverses.insert(0, edited.inverse.model_dump(mode="json"))
+    commands = _listed(words)
+    for data in commands:
+        document = _applied(data, document, catalog, files)
     if args.dry_run:
         put(document.text)
         return
-    if args.inverse:  # first: where it can't be written, the task stays as it is
-        replace_text(Path(args.inverse), json.dumps(inverses, indent=1) + "\n")
     for name, text in files.items():
         file = find_project(Path(args.task).resolve()).folder / name
         if file.exists():
@@ -123,7 +115,7 @@ def run_apply(args: argparse.Namespace) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
     replace_text(Path(args.task), document.text)
-    print(f"{args.task}: {len(inverses)} command{'s' * (len(inverses) != 1)} applied")
+    print(f"{args.task}: {len(commands)} command{'s' * (len(commands) != 1)} applied")
 
 
 def _listed(words: str) -> list[Any]:
@@ -134,7 +126,7 @@ def _listed(words: str) -> list[Any]:
     return data if isinstance(data, list) else [data]
 
 
-def _applied(data: object, document: Document, catalog: Catalog, files: dict[str, str]) -> Edited:
+def _applied(data: object, document: Document, catalog: Catalog, files: dict[str, str]) -> Document:
     from grip_bt.compilers.restructure import expanded, extracted  # for this verb alone: `check` is to answer at once
     from grip_bt.task.edit import Extract, apply_to_document, command_of
 
@@ -142,5 +134,5 @@ def _applied(data: object, document: Document, catalog: Catalog, files: dict[str
     if isinstance(command, Extract):
         part = extracted(command, document, catalog)
         files[part.file] = part.text
-        return apply_to_document(document, part.edit)
-    return apply_to_document(document, expanded(command, document.task, catalog))
+        return apply_to_document(document, part.edit).document
+    return apply_to_document(document, expanded(command, document.task, catalog)).document

@@ -17,10 +17,15 @@ from pathlib import Path
 from types import MappingProxyType
 
 from grip_bt.base.failures import ExpectedError, IncompatibleServerError
-from grip_bt.base.interpreter import python_command
 from grip_bt.base.operation import Operation
 from grip_bt.ros import process_reaper
-from grip_bt.ros.interfaces.packages import child_paths, executable_of, launch_file_in, launch_file_of
+from grip_bt.ros.interfaces.packages import (
+    PackageError,
+    child_paths,
+    executable_of,
+    launch_file_in,
+    launch_file_of,
+)
 from grip_bt.task.catalog.component_file import ComponentFile, Start
 
 _PATIENCE = 3.5
@@ -147,18 +152,23 @@ def command_of(start: Start, folder: Path) -> list[str]:
         folder: where relative launch files are.
 
     Raises:
-        PackageError: the package, its program or its launch file isn't here.
+        PackageError: the package, its program, its launch file or `ros2 launch` isn't here.
     """
     if start.launch is not None:
         file = launch_file_of(start.package, start.launch) if start.package else launch_file_in(folder, start.launch)
-        given = [f"{name}:={text_of(value)}" for name, value in start.arguments.items()]
-        ros2 = shutil.which("ros2")
-        if ros2 is not None:
-            return [ros2, "launch", str(file), *given]
-        return python_command("-m", "grip_bt.cli", "launch", str(file), *given)
+        return launch_command(file, start.arguments)
     if start.executable is not None:
         return [str(executable_of(str(start.package), start.executable)), *start.args]
     return [word.replace("{python}", sys.executable) for word in start.command]
+
+
+def launch_command(file: Path, arguments: Mapping[str, object]) -> list[str]:
+    """Return what runs a launch file with its arguments; PackageError where ROS's own `ros2 launch` isn't here."""
+    ros2 = shutil.which("ros2")
+    if ros2 is None:
+        how = "source a ROS that has it (source /opt/ros/jazzy/setup.bash), or say what to start under `processes:`"
+        raise PackageError(f"{file}: launch files are run by `ros2 launch`, which isn't on the path; {how}")
+    return [ros2, "launch", str(file), *(f"{name}:={text_of(value)}" for name, value in arguments.items())]
 
 
 def text_of(value: object) -> str:

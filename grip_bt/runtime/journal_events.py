@@ -1,9 +1,8 @@
-"""Events as a journal has them, in columns of bytes; and what is none, of a file that anybody may have damaged."""
+"""Events as a journal has them, in columns of bytes; and what they add up to."""
 
 from __future__ import annotations
 
 import json
-import math
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -28,13 +27,9 @@ def packed(names: NDArray[np.int64], times: NDArray[np.float64], walls: NDArray[
 
 MOST = 65536
 """Most events in one block."""
-DAMAGED = "damaged"
-"""Kind of the events that stand where others can't be read; no journal has them."""
 Meaning = Literal["success", "failure"]
 Name = tuple[str, str, str | None, str | None]
 """Of an event: path, kind, outcome and code."""
-_LONGEST = 1e10
-"""No time of a journal is later [s]: some 300 years."""
 
 
 @dataclass(frozen=True)
@@ -60,17 +55,6 @@ class Event:
     meaning: Meaning | None = None
 
 
-def is_time(value: object) -> bool:
-    """Tell whether this can be a time of a journal [s]."""
-    return isinstance(value, int | float) and math.isfinite(value) and abs(value) <= _LONGEST
-
-
-def is_name(path: object, kind: object, outcome: object, code: object) -> bool:
-    """Tell whether this can be what an event is of."""
-    plain = isinstance(path, str) and isinstance(kind, str) and bool(path) and bool(kind)
-    return plain and isinstance(outcome, str | None) and isinstance(code, str | None)
-
-
 def checksum(first: int, last: int, content: object, data: object) -> int:
     """Return the CRC-32 of a block."""
     head = zlib.crc32(f"{first} {last} {data}".encode(errors="backslashreplace"))
@@ -86,6 +70,7 @@ def unpacked(
 
     Raises:
         ValueError: it is damaged.
+        LookupError: what an event is of isn't among the names.
     """
     *said, total = row
     if total != checksum(*said):
@@ -95,9 +80,6 @@ def unpacked(
         np.frombuffer(zlib.decompress(content), np.uint8).reshape(_ROW.itemsize, -1).T.copy().view(_ROW).ravel()[part]
     )
     data = json.loads(text) if text else {}
-    unknown = {number for number in rows["name"].tolist() if number not in names}
-    if unknown:
-        raise ValueError(f"what its events are of isn't there (numbers {', '.join(map(str, sorted(unknown)[:3]))})")
     wanted = range(*part.indices(last - first + 1))
     return [
         (i, at, at + behind, names[n], data.get(str(i), {}))

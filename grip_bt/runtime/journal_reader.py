@@ -1,4 +1,4 @@
-"""Reading runs, also while they are written, and of files that are damaged: for replay, live views, tables, exports."""
+"""Reading runs, also while they are written: for replay, live views, tables, exports."""
 
 from __future__ import annotations
 
@@ -6,24 +6,25 @@ import hashlib
 import json
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, TypeAdapter, ValidationError
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.files import Closing
 
-from .journal_events import DAMAGED, MOST, Event, Name, is_name, is_time, unpacked
+from .journal_events import Event, Name, unpacked
 from .journal_rows import JournalError, Rows, is_there
 from .value_codec import OpaqueValueError, decode
 
-PAGE = 10_000
-"""Events that `iterate` holds at a time."""
-_GOOD = f"typeof(first)='integer' AND typeof(last)='integer' AND last BETWEEN first AND first+{MOST - 1} AND first>0"
-"""Blocks whose place among the events is known."""
-_BLOCKS = "SELECT first, last, content, data, sum FROM blocks"
+_ALL = 2**62
 _COLUMNS = "id, task_name, task_path, task_text, target, seed, started, ended, status, outcome"
+
+
+_Time = Annotated[float, Field(ge=0, le=1e11)]
 
 
 @dataclass(frozen=True)
@@ -44,17 +45,17 @@ class RunRecord:
     task_text: str
     target: str
     seed: int | None
-    started: float
-    ended: float | None
+    started: _Time
+    ended: _Time | None
     status: str
     outcome: str | None
 
 
+_RECORD, _NAMES = TypeAdapter(RunRecord), TypeAdapter(dict[int, Name])
+
+
 class JournalReader(Closing):
     """Reads a journal; may be used from several threads.
-
-    What is damaged in it is left out: an event `damaged` stands in its place and says what that was, and so does
-    `damage`.
 
     Raises:
         JournalError: there is no such file, or it isn't a journal.
@@ -66,27 +67,14 @@ class JournalReader(Closing):
         self._names: dict[str, dict[int, Name]] = {}
         self._meanings: dict[str, dict[str, Any]] = {}
 
-    @property
-    def damage(self) -> list[str]:
-        return list(self._rows.damage)
-
-    def raise_if_damaged(self) -> None:
-        """Say what of the things that were read until now was left out.
-
-        Raises:
-            JournalError: something was.
-        """
-        if self._rows.damage:
-            raise JournalError(f"{self.file}: is damaged, and not all of it could be read: {'; '.join(self.damage)}")
-
     def runs(self) -> list[RunRecord]:
-        found = filter(None, map(self._record, self._rows.query(f"SELECT {_COLUMNS} FROM runs")))
+        found = map(self._record, self._rows.query(f"SELECT {_COLUMNS} FROM runs"))
         return sorted(found, key=lambda record: (record.started, record.id), reverse=True)
 
     def run(self, id: str) -> RunRecord:
         """Return a run; UnknownNameError where there is none of this id."""
-        for record in filter(None, map(self._record, self._rows.query(f"SELECT {_COLUMNS} FROM runs WHERE id=?", id))):
-            return record
+        for row in self._rows.query(f"SELECT {_COLUMNS} FROM runs WHERE id=?", id):
+            return self._record(row)
         raise UnknownNameError("run", id, [r.id for r in self.runs()[:20]], str(self.file))
 
     def lives(self, run: str) -> bool:
@@ -94,25 +82,22 @@ class JournalReader(Closing):
         return bool(self._process(run))
 
     def count(self, run: str) -> int:
-        sql = f"SELECT last FROM blocks WHERE run=? AND {_GOOD} ORDER BY first DESC LIMIT 1"
-        return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
+        return int(self._rows.query("SELECT max(last) FROM blocks WHERE run=?", run)[0][0] or 0)
 
     def events(self, run: str, after_seq: int = 0, limit: int | None = None) -> list[Event]:
         """Return the events of a run that come after `after_seq`, in order.
 
         Args:
             limit: how many at most; None for all, which for a long run is a lot of memory: see `iterate`.
+
+        Raises:
+            JournalError: some of them are damaged.
         """
-        found: list[Event] = []
-        for block in self._blocks(run, after_seq, limit):
-            found += block if limit is None else block[: limit - len(found)]
-        return found
+        return list(chain.from_iterable(self._blocks(run, after_seq, _ALL if limit is None else limit)))
 
     def iterate(self, run: str, after_seq: int = 0) -> Iterator[Event]:
-        """Yield the events of a run in order, those written meanwhile too; holds a few thousand at a time."""
-        while page := self.events(run, after_seq, PAGE):
-            yield from page
-            after_seq = page[-1].seq
+        """Yield the events of a run in order, those written meanwhile too, up to one that is damaged: JournalError."""
+        return chain.from_iterable(self._blocks(run, after_seq, _ALL))
 
     def value(self, event: Event) -> Any:
         """Return the value that a `write` event tells of, as it was.
@@ -170,109 +155,46 @@ class JournalReader(Closing):
         rows = self._rows.query("SELECT pid, since, host FROM processes WHERE run=?", run)
         return is_there(dict(zip(("pid", "since", "host"), rows[0], strict=True)) if rows else {})
 
-    def _record(self, row: tuple[Any, ...]) -> RunRecord | None:
-        id, name, path, text, target, seed, started, ended, status, outcome = row
-        if not isinstance(id, str) or not id:
-            self._rows.note(f"a run of {self.file} has no id ({id!r:.80}), and is left out")
-            return None
-        fits = {  # whether it can be that, and what stands for it otherwise
-            "task_name": (isinstance(name, str), ""),
-            "task_path": (isinstance(path, str) and "\0" not in path, ""),
-            "task_text": (isinstance(text, str), ""),
-            "target": (target in ("bt", "sm"), "bt"),
-            "seed": (isinstance(seed, int | None), None),
-            "started": (is_time(started) and started >= 0, 0.0),
-            "ended": (ended is None or (is_time(ended) and ended >= 0), None),
-            "status": (isinstance(status, str), "lost"),
-            "outcome": (isinstance(outcome, str | None), None),
-        }
-        known: dict[str, Any] = dict(zip(fits, row[1:], strict=True))
-        for field, (good, instead) in fits.items():
-            if not good:
-                self._rows.note(f"{field} of run {id} is no such thing")
-                known[field] = instead
-        if known["status"] == "running":
-            known["status"] = {True: "running", False: "died", None: "lost"}[self._process(id)]
-        return RunRecord(id, **known)
+    def _record(self, row: tuple[Any, ...]) -> RunRecord:
+        try:
+            record = _RECORD.validate_python(dict(zip(_COLUMNS.split(", "), row, strict=True)))
+        except ValidationError as error:
+            raise JournalError(f"{self.file}: run {row[0]!r:.80} is damaged: {error.errors()[0]['loc'][0]}") from error
+        if record.status != "running":
+            return record
+        return replace(record, status={True: "running", False: "died", None: "lost"}[self._process(record.id)])
 
     def _writes(self, run: str) -> Iterator[Event]:
-        done = 0
-        sql = f"SELECT first, last FROM blocks WHERE run=? AND instr(data, '\"variable\"') AND {_GOOD} ORDER BY first"
-        pages = (self.events(run, first - 1, last - first + 1) for first, last in self._rows.query(sql, run))
-        for event in chain.from_iterable(pages):
-            if event.event == "write" and done < event.seq:  # pages overlap where blocks are damaged
-                done = event.seq
-                yield event
+        sql = "SELECT first, last FROM blocks WHERE run=? AND instr(data, '\"variable\"') ORDER BY first"
+        for first, last in self._rows.query(sql, run):
+            yield from (event for event in self.events(run, first - 1, last - first + 1) if event.event == "write")
 
-    def _blocks(self, run: str, after: int, limit: int | None) -> Iterator[list[Event]]:
-        left, after = 2**62 if limit is None else limit, max(after, 0)
-        t = 0.0
-        for row in self._stored(run, after) if left > 0 else ():
-            first, last = row[:2]
-            if last <= after:
-                continue  # of a damaged file: the events of another block
-            events: list[Event] = []
-            if first > after + 1:
-                events.append(self._hole(run, after + 1, first - 1, t, "they aren't there"))
-            try:
-                events += self._unpacked(run, row, after, left)
-            except ValueError as error:
-                last = self._end_of(run, row)
-                if last <= after:
-                    self._rows.note(
-                        f"a block of run {run} can't be read that claims events {first} to {row[1]}: {error}"
-                    )
-                    continue
-                events.append(self._hole(run, max(first, after + 1), last, t, str(error)))
-            after, t = last, events[-1].t if events else t
-            left -= len(events)
-            yield events
-            if left <= 0:
-                return
-
-    def _stored(self, run: str, after: int) -> Iterator[tuple[Any, ...]]:
-        since = 0
-        while rows := self._page(run, after, since):
-            yield from rows
-            since = rows[-1][0]
-
-    def _page(self, run: str, after: int, since: int) -> list[tuple[Any, ...]]:
-        if after == since == 0 and self._rows.query(f"SELECT 1 FROM blocks WHERE run=? AND NOT ({_GOOD}) LIMIT 1", run):
-            self._rows.note(f"blocks of run {run} whose place among its events isn't known are left out")
-        condition = f"run=? AND first>? AND last>? AND {_GOOD} ORDER BY first LIMIT 64"
-        return self._rows.query(f"{_BLOCKS} WHERE {condition}", run, since, after)
-
-    def _end_of(self, run: str, row: tuple[Any, ...]) -> int:
-        """Return where a block ends that is damaged: at the latest where the next one begins, whatever it says."""
-        first, last = row[:2]
-        sql = f"SELECT min(?, first - 1) FROM blocks WHERE run=? AND first>? AND {_GOOD} ORDER BY first LIMIT 1"
-        return int(next((end for (end,) in self._rows.query(sql, last, run, first)), last))
-
-    def _hole(self, run: str, first: int, last: int, t: float, why: str) -> Event:
-        which = f"event {first}" if first == last else f"events {first} to {last}"
-        message = f"{which} of run {run} can't be read: {why}"
-        self._rows.note(message)
-        return Event(last, t, 0.0, "/", DAMAGED, None, None, {"message": message})
+    def _blocks(self, run: str, after: int, left: int) -> Iterator[list[Event]]:
+        """Yield the events of a run after one, at most so many, block by block; also of those written meanwhile."""
+        after = max(after, 0)
+        sql = "SELECT first, last, content, data, sum FROM blocks WHERE run=? AND last>? ORDER BY first LIMIT 64"
+        while left > 0 and (rows := self._rows.query(sql, run, after)):
+            for row in rows if left > 0 else ():
+                events = self._unpacked(run, row, after, left)
+                after, left = row[1], left - len(events)
+                yield events
 
     def _unpacked(self, run: str, row: tuple[Any, ...], after: int, most: int) -> list[Event]:
-        first = row[0]
-        since = max(0, after + 1 - first)
-        names = self._names.get(run, {})
+        first, last = row[:2]
+        part = slice(max(0, after + 1 - first), max(0, after + 1 - first) + most)
         try:
-            found = unpacked(row, names, slice(since, since + most))
-        except ValueError:
-            names = self._names_of(run)  # there are more by now
-            found = unpacked(row, names, slice(since, since + most))
+            try:
+                found = unpacked(row, self._names.get(run, {}), part)
+            except LookupError:  # there are more by now
+                rows = self._rows.query("SELECT id, path, event, outcome, code FROM names WHERE run=?", run)
+                self._names[run] = _NAMES.validate_python({number: tuple(name) for number, *name in rows})
+                found = unpacked(row, self._names[run], part)
+        except (ValueError, LookupError) as error:
+            raise JournalError(f"{self.file}: events {first} to {last} of run {run} can't be read: {error}") from error
         return [
             Event(first + i, t, wall, *name, data, self._meaning(run, *name) if name[2] is not None else None)
             for i, t, wall, name, data in found
         ]
-
-    def _names_of(self, run: str) -> dict[int, Name]:
-        """Return what the numbers of a run's events stand for; names are only ever added."""
-        rows = self._rows.query("SELECT id, path, event, outcome, code FROM names WHERE run=?", run)
-        self._names[run] = {number: tuple(name) for number, *name in rows if isinstance(number, int) and is_name(*name)}
-        return self._names[run]
 
     def _meaning(self, run: str, path: str, event: str, outcome: str | None, code: str | None) -> Any:
         """Return what an end means; labels that say so themselves, and codes of failures, need no table."""

@@ -100,16 +100,12 @@ BAD = (sqlite3.Error, UnicodeError, OverflowError, MemoryError, ValueError, Type
 class Rows:
     """Reads a journal's file; may be used from several threads.
 
-    Attributes:
-        damage: what couldn't be read so far, in words, each once.
-
     Raises:
         JournalError: there is no such file, or it isn't a journal.
     """
 
     def __init__(self, file: Path):
         self._file, self._lock = file, threading.Lock()
-        self.damage: dict[str, None] = {}
         if not file.is_file():
             raise JournalError(f"{file}: there is no journal; runs are written to it as soon as there is one")
         try:
@@ -127,9 +123,6 @@ class Rows:
 
     def close(self) -> None:
         self._database.close()
-
-    def note(self, words: str) -> None:
-        self.damage.setdefault(words)
 
     def query(self, statement: str, *values: object) -> list[tuple[Any, ...]]:
         """Return rows; JournalError where they can't be read, now or since the file is damaged."""

@@ -1,9 +1,8 @@
-"""A project as a ROS 2 launch file: what it says to the letter, and that it starts what `grip launch` does."""
+"""A project as a ROS 2 launch file: what it says to the letter; and its processes."""
 
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,6 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.launching import launch_file_of, project_members
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.cli.__main__ import main
-from grip_bt.ros.launch import read_launch_file
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "launch" / "project.launch.xml"
 PROJECT = """
@@ -66,28 +64,18 @@ def test_what_is_not_to_be_run_is_not_in_it(project):
     assert "elsewhere" not in made
 
 
-def test_our_own_reader_finds_the_same_commands_in_it(project):
-    text = "grip: 1\nprocesses:\n" + PROJECT[PROJECT.index("  recorder:") : PROJECT.index("  camera:")]
-    (project / "grip.yaml").write_text(text)
-    file = project / "all.launch.xml"
-    file.write_text(launch_file_of(find_project(project), project))
-    found = {p.name: p for p in read_launch_file(file, {"python": sys.executable})}
-    (member,) = project_members(find_project(project))
-    assert found["recorder"].command == tuple(member.command)
-    assert found["recorder"].command[-1] == 'it\'s $(HOME) "quoted"'
-    assert (found["recorder"].folder, found["recorder"].env) == (project / "tools", {"MODE": "$a"})
-    assert found["recorder"].restart == "always"
-    assert found["detector"].folder == project / "components" / "detector"
-
-
-def test_only_what_is_declared_is_started(project):
+def test_only_what_is_declared_is_started(project, monkeypatch):
     """A vendor's launch file is started with its arguments, and nothing beside it."""
+    (project / "ros2").write_text("#!/bin/sh\n")
+    (project / "ros2").chmod(0o755)
+    monkeypatch.setenv("PATH", str(project))
     (project / "grip.yaml").write_text(
         "grip: 1\nprocesses:\n  robot: {launch: bringup.launch.xml, arguments: {robot_ip: 10.0.0.2, fake: true}}\n"
     )
     (project / "bringup.launch.xml").write_text("<launch/>")
     (member,) = project_members(find_project(project))
-    assert list(member.command[-3:]) == [str(project / "bringup.launch.xml"), "robot_ip:=10.0.0.2", "fake:=true"]
+    file = str(project / "bringup.launch.xml")
+    assert list(member.command) == [str(project / "ros2"), "launch", file, "robot_ip:=10.0.0.2", "fake:=true"]
 
 
 def test_a_process_that_is_not_declared_is_named(project):

@@ -243,42 +243,19 @@ def test_an_invalid_task_is_said_as_before(project: Path) -> None:
     assert done.stdout == ""
 
 
-def test_the_prompt_steps_breaks_and_shows(project: Path) -> None:
-    file = project / "steps.yaml"
-    file.write_text(
-        "grip: 1\nname: s\ndata: {n: {type: int, value: 3}}\n"
-        "root:\n  kind: sequence\n  children:\n"
-        "    a: {node: flow/succeed}\n    b: {node: flow/fail, with: {code: tired, message: no more}}\n"
-    )
-    typed = "s\ns\ni n\nb q\nb b:failure.tired\nl\nc\nwhat\nc\n"
-    done = grip("run", file, "--debug", input=typed)
-    assert done.returncode == 3, done.stderr
-    lines = done.stdout.splitlines()
-    for said in (
-        "paused",
-        "before /",
-        "before a",
-        "  n = 3",
-        "unknown node 'q' (available: /, a, b)",
-        "breakpoint 1: after b failure.tired",
-        "after b -> failure.tired (breakpoint 1): no more",
-        "'what' isn't a command:",
-    ):
-        assert said in lines
-    assert lines[-1].startswith("failure: failure (tired: no more); ")
-
-
-def test_breakpoints_of_the_command_line_hold_under_control(project: Path) -> None:
+def test_breakpoints_that_are_set_before_the_run_hold_under_control(project: Path) -> None:
     file = project / "steps.yaml"
     file.write_text("grip: 1\nname: s\nroot: {kind: sequence, children: {a: {node: flow/succeed}}}\n")
     run = subprocess.Popen(
-        [sys.executable, "-m", "grip_bt.cli", "run", str(file), "--control", "--break", "a:success"],
+        [sys.executable, "-m", "grip_bt.cli", "run", str(file), "--control"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
     )
     assert run.stdout is not None
     assert run.stdin is not None
+    run.stdin.write('{"command": "break", "node": "a", "outcome": "success"}\n')
+    run.stdin.flush()
     while (told := json.loads(run.stdout.readline()))["event"] != "held":
         pass
     assert (told["path"], told["when"], told["outcome"], told["breakpoint"]) == ("a", "after", "success", 1)

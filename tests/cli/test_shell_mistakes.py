@@ -31,14 +31,6 @@ def test_a_new_project_where_none_can_be_is_one_sentence(capsys):
     assert said == "grip: /proc/nothing: No such file or directory; make its folder first, or name another place\n"
 
 
-def test_an_inverse_that_cannot_be_written_leaves_the_task_as_it_is(project, capsys):
-    assert main(["apply", "t.yaml", RENAME, "--inverse", "nowhere/back.json"]) == 1
-    assert "nowhere/back.json: No such file or directory; make its folder first" in capsys.readouterr().err
-    assert main(["apply", "t.yaml", RENAME, "--inverse", str(project)]) == 1
-    assert "Is a directory; name another place" in capsys.readouterr().err
-    assert (project / "t.yaml").read_text() == TASK
-
-
 def test_a_link_that_leads_nowhere_is_not_taken_for_what_was_meant(project, capsys):
     (project / "link.yaml").symlink_to("gone.yaml")
     assert main(["check", "link.yaml"]) == 1

@@ -60,7 +60,12 @@ def walked(folder: Path, what: str) -> tuple[list[str], dict[str, str]]:
     """Return what was done that isn't ours, and what came of each way of looking."""
     script = Path(__file__).with_name("hostile_walk.py")
     cache = str(folder.parent / "cache")
-    env = {**os.environ, "XDG_CACHE_HOME": cache, "TMPDIR": cache}
+    tools = folder.parent / "bin" / "ros2"  # what would run launch files
+    tools.parent.mkdir()
+    tools.write_text("#!/bin/sh\n")
+    tools.chmod(0o755)
+    path = f"{tools.parent}:{os.environ['PATH']}"
+    env = {**os.environ, "XDG_CACHE_HOME": cache, "TMPDIR": cache, "PATH": path}
     done = subprocess.run(
         [sys.executable, str(script), str(folder), what],
         capture_output=True,

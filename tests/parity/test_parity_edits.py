@@ -42,6 +42,5 @@ def test_a_renamed_outcome_changes_nothing_but_its_name(make: Any) -> None:
         assert after.trace == before.trace, f"seed {seed}: {path} {outcome}"
         assert list(after.end[:1]) == ends, f"seed {seed}: {path} {outcome}"
         assert (after.end[1:], after.data) == (before.end[1:], before.data), f"seed {seed}: {path} {outcome}"
-        assert dict(apply(done.task, done.inverse).task) == dict(task)
         renamed += 1
     assert renamed > 0.8 * TASKS

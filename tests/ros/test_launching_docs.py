@@ -9,8 +9,6 @@ import pytest
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.message_store import STANDARD, MessageLibrary
-from grip_bt.ros.launch.interpreter import _HANDLERS
-from grip_bt.ros.launch.substitutions import _KNOWN
 from grip_bt.ros.messages.wire import MESSAGES
 from grip_bt.task.catalog.component_file import ProcessConfig, Start
 from grip_bt.task.catalog.ros_config import ControllerConfig
@@ -35,12 +33,6 @@ def test_projects_of_the_page_can_be_read(tmp_path, text):
 def test_every_key_of_a_process_and_of_a_controller_is_told():
     keys = set(ProcessConfig.model_fields) | set(Start.model_fields) | set(ControllerConfig.model_fields)
     assert {key for key in keys - {"doc"} if f"`{key}`" not in PROJECT} == set()
-
-
-def test_every_element_and_substitution_that_is_understood_is_told():
-    assert {
-        name for name in (*_HANDLERS, *_KNOWN) if f"`{name.replace('push-ros-', 'push_ros_')}`" not in LAUNCHING
-    } == set()
 
 
 def test_files_of_the_page_can_be_read_as_messages(tmp_path):

@@ -15,7 +15,6 @@ import pytest
 
 from grip_bt.base.values import Failure, Grasp, Image, JointState, PointCloud, Pose
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock
-from grip_bt.runtime.journal_events import is_name
 from grip_bt.runtime.observers import Durable, Recorder
 from grip_bt.runtime.value_codec import DEEPEST, OpaqueValueError, decode, encode, snapshot
 
@@ -252,13 +251,3 @@ def test_what_happens_after_a_cut_is_in_no_journal_however_late_it_is(file: Path
         recorder.finished(None, "died")
     with JournalReader(file) as reader:
         assert [event.event for event in reader.events(log.id)] == ["enter", "run_ended"]
-
-
-@pytest.mark.parametrize("path", ["a", "", None, 1, b"a"])
-@pytest.mark.parametrize("outcome", ["success", None, 1])
-def test_only_texts_are_names_in_a_journal(path: Any, outcome: Any) -> None:
-    sound = path == "a" and outcome != 1
-    assert is_name(path, "exit", outcome, None) is sound
-    assert is_name(path, "", outcome, None) is False
-    assert is_name("a", path, outcome, None) is sound
-    assert is_name(path, "exit", None, outcome) is sound

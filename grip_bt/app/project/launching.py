@@ -12,8 +12,8 @@ from jinja2 import Environment
 
 from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.ros.launch.group import Member
 from grip_bt.ros.process import child_environment, command_of, text_of
+from grip_bt.ros.process_group import Member
 from grip_bt.task.catalog.component_file import Start, load_component
 
 

@@ -33,7 +33,6 @@ from grip_bt.nodes.dry_run import dry_run
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
-from grip_bt.runtime.debugger import make_breakpoint
 from grip_bt.runtime.journal_rows import Pruned, prune, size_of
 from grip_bt.runtime.observers import Durable
 from grip_bt.task import Document, Task, Variable, dumps, read, read_text
@@ -64,8 +63,6 @@ class RunOptions:
         journal: where to write; None for the project's own.
         rate: ticks a second of the run's clock, instead of on wakes; None for on wakes.
         watchdog: how long one tick may take [s] before the run ends as an error; None for ever.
-        breaks: breakpoints that are set before it begins: fields of the command `break`.
-        paused: whether it begins paused.
         mocks: node -> script, as `grip_bt.app.runs.mocks` reads them.
         faults: what goes wrong in the simulated world besides its file's faults, by name.
         durable: whether no motion begins before the journal on disk says so.
@@ -87,8 +84,6 @@ class RunOptions:
     journal: Path | None = None
     rate: float | None = None
     watchdog: float | None = None
-    breaks: Sequence[Mapping[str, Any]] = ()
-    paused: bool = False
     mocks: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     faults: Mapping[str, Fault] = field(default_factory=dict)
     durable: bool = False
@@ -233,7 +228,7 @@ def open_session(
 
     Raises:
         DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
-        UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
+        UnknownNameError: a mock names what isn't in the task; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
     with ExitStack() as code:
@@ -244,8 +239,6 @@ def open_session(
         else:
             project, document, report, compiled = _compiled(path, options, progress, code)
         working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
-        for point in options.breaks:
-            make_breakpoint(compiled, 0, **point)  # refused before anything is started
         if options.faults and options.robot != "sim":
             raise GripError(f"faults happen in simulated worlds, not with --robot {options.robot}; mocks fail anywhere")
         check_nodes(options.faults, compiled.by_path)
@@ -322,10 +315,6 @@ def _runner(
     if options.durable:
         asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
         runner.observe(Durable(journal, asked))
-    for point in options.breaks:
-        runner.debugger.set(**point)
-    if options.paused:
-        runner.pause()
     return runner
 
 

@@ -222,7 +222,7 @@ def _line(event: Event) -> tuple[str, int]:
     said = [str(event.data[key]) for key in event.data if key in ("text", "message", "variable", "preview", "status")]
     text = " ".join([event.event, *([event.outcome + code] if event.outcome else []), *said])
     poor = event.meaning == "failure" or event.event == "interrupted"
-    level = _ERROR if event.event in ("error", "damaged") else _WARNING if poor else _INFO
+    level = _ERROR if event.event == "error" else _WARNING if poor else _INFO
     return text, level
 
 

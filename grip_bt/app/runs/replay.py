@@ -21,7 +21,7 @@ from grip_bt.runtime.debugger import node_path
 
 POLL = 0.05
 """How often [s] the journal is asked about a run that is under way."""
-GLYPHS = {"enter": "▶", "interrupted": "⊘", "message": "…", "write": "=", "error": "‼", "zombie": "☠", "damaged": "‼"}
+GLYPHS = {"enter": "▶", "interrupted": "⊘", "message": "…", "write": "=", "error": "‼", "zombie": "☠"}
 ENDS: Mapping[str | None, str] = {"success": "✓", "failure": "✗", None: "■"}
 """What an end means; journals of earlier versions don't say what a task's own outcomes mean."""
 _WENT_ON = {

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import takewhile
 from pathlib import Path
 
 from grip_bt.app.project.catalogue import catalogue_of
@@ -15,9 +14,8 @@ from grip_bt.app.runs.replay import Until, find_run
 from grip_bt.app.runs.resume import ANEW, MESSAGES, WORDS, ResumeRequest, policy_of, unreadable
 from grip_bt.base.errors import ResumeError, UnknownNameError
 from grip_bt.compilers.resolve import Part, resolve
-from grip_bt.runtime import Event, JournalReader, Recording, RunRecord
+from grip_bt.runtime import Event, JournalError, JournalReader, Recording, RunRecord
 from grip_bt.runtime.debugger import node_path
-from grip_bt.runtime.journal_events import DAMAGED
 from grip_bt.runtime.observers import KEPT
 from grip_bt.task import model
 
@@ -161,11 +159,13 @@ def plan_resume(
     """
     with JournalReader(journal) as reader:
         record = reader.run(find_run(reader, run))
-        known = len(reader.damage)
-        events = list(takewhile(lambda event: event.event != DAMAGED, reader.iterate(record.id)))
+        events: list[Event] = []
+        try:
+            events.extend(reader.iterate(record.id))
+        except JournalError as error:  # from what is before the damage, a new run goes on
+            if at is None:
+                raise _only_forked(record, f"it is damaged: {error}", len(events)) from error
         if at is None:
-            if reader.damage[known:]:
-                raise _only_forked(record, f"it is damaged: {'; '.join(reader.damage[known:])}", len(events))
             _check_resumable(record, events)
             deadline = time.monotonic() + _CLOSING
             while record.status == "died" and reader.lives(record.id):

@@ -14,13 +14,14 @@ from grip_bt.base.yaml.scalars import write_scalar
 from grip_bt.base.yaml.tree import YamlMapping, parse
 from grip_bt.compilers.restructure.result import is_within
 from grip_bt.task import read_text
-from grip_bt.task.canonical import dumps, file_data, lines_of
+from grip_bt.task.canonical import dumps, file_data
 from grip_bt.task.catalog import Catalog, manifest_of_task
 from grip_bt.task.document import Document
 from grip_bt.task.edit import Extract, Inline, Patch, RenameVariable, Set, Unset, apply, apply_to_document, title_of
 from grip_bt.task.edit.editing import Edit, slot
 from grip_bt.task.edit.paste import fresh_name
 from grip_bt.task.edit.steps import Assign
+from grip_bt.task.edit.text import Text
 from grip_bt.task.model import Childless, Kind, Leaf, Subtask, Task, type_of, walk
 from grip_bt.task.parts import has_value
 from grip_bt.task.validation import analyse
@@ -215,7 +216,7 @@ class Extracted:
 
     Attributes:
         text: what is in it, with the comments of the part where it was taken from a document.
-        edit: the command that puts a subtask in its place; its inverse leads back.
+        edit: the command that puts a subtask in its place.
     """
 
     file: str
@@ -248,10 +249,10 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     record |= {key: file_data(value) for key in _AROUND if (value := getattr(placed.node, key))}
     moving = Edit(document.task)
     parent, name, container = moving.parent(command.path, "is the task already; wrap it, and take out the child")
-    edit = Patch(
-        title=title_of(command), steps=(Assign(at=(*moving.place(parent), slot(container)), key=name, value=record),)
-    )
-    return Extracted(command.file, _text(document, edit, part, inputs, outputs), edit)
+    at = (*moving.place(parent), slot(container))
+    text = _text(part, Text(document.text).lines_at(at, name), inputs, outputs)
+    edit = Patch(title=title_of(command), steps=(Assign(at=at, key=name, value=record),))
+    return Extracted(command.file, text, edit)
 
 
 def _placed(command: Extract, task: Task, catalog: Catalog) -> tuple[PlacedNode, TaskAnalysis]:
@@ -300,12 +301,9 @@ def _ports(command: Extract, placed: PlacedNode, part: Task, catalog: Catalog) -
     return inputs, outputs
 
 
-def _text(document: Document, edit: Patch, part: Task, inputs: dict[str, str], outputs: dict[str, str]) -> str:
+def _text(part: Task, source: str, inputs: dict[str, str], outputs: dict[str, str]) -> str:
     """Return the new file: the very lines of the part, below a head of its own."""
-    taken = apply_to_document(document, edit).inverse.steps[0]
-    assert isinstance(taken, Assign), "its inverse puts the part back"
     head = f"grip: 1\nname: {write_scalar(part.name, False)}\n"
-    source = taken.source or "\n".join(lines_of(taken.key, taken.value, True)) + "\n"
     tree = parse(source)
     assert isinstance(tree, YamlMapping), "an entry is a mapping of one key"
     entry = next(iter(tree.entries.values()))

@@ -1,4 +1,4 @@
-"""All commands, as one type that is read from JSON, and applied to tasks: pure, with an exact inverse."""
+"""All commands, as one type that is read from JSON, and applied to tasks."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, Discriminator, TypeAdapter, ValidationError
+from pydantic import Discriminator, TypeAdapter, ValidationError
 
 from grip_bt.base.errors import EditError
 
@@ -40,36 +40,17 @@ class Group(BaseCommand):
         return f"{first} and {more} more" if more else first
 
 
-class Splice(BaseModel):
-    """A piece of a text for another; offsets are characters."""
-
-    model_config = BaseCommand.model_config
-
-    start: int
-    old: str
-    new: str
-
-
-class Restore(BaseModel):
-    """How a text gets back the very bytes that it had, as long as it is still the one that the edit left."""
-
-    model_config = BaseCommand.model_config
-
-    digest: str
-    """Of the text that the splices fit."""
-    splices: tuple[Splice, ...]
-
-
 class Patch(BaseCommand):
-    """The inverse of a command, in steps; what `apply` and `apply_to_document` return."""
+    """An edit in steps: what a conversion, or a text that a person has typed, comes to."""
 
     do: Literal["patch"] = "patch"
     title: str = ""
     steps: tuple[Step, ...]
-    restore: Restore | None = None
+    text: str | None = None
+    """The whole text that the steps lead to, where somebody has written it."""
 
     def in_words(self) -> str:
-        return self.title or "revert an edit"
+        return self.title or "change several things"
 
     def plan(self, edit: Edit) -> None:
         for step in self.steps:
@@ -113,34 +94,27 @@ def title_of(command: AnyCommand) -> str:
 
 @dataclass(frozen=True)
 class Applied:
-    """A task after a command."""
+    """A task after a command, and the steps that led to it."""
 
     task: Task
-    inverse: Patch
     steps: tuple[Step, ...]
 
 
 def apply(task: Task, command: AnyCommand) -> Applied:
-    """Return the task after a command, and the inverse: `apply(applied.task, applied.inverse).task == task`.
+    """Return the task after a command.
 
     Raises:
         EditError: the command can't be carried out; nothing has changed.
     """
-    return _apply(task, command, title_of(command))
-
-
-def _apply(task: Task, command: AnyCommand, title: str) -> Applied:
     if isinstance(command, Group):
         steps: tuple[Step, ...] = ()
-        back: tuple[Step, ...] = ()
         for part in command.commands:
-            done = _apply(task, part, title)
-            task, steps, back = done.task, steps + done.steps, done.inverse.steps + back
-        return Applied(task, Patch(title=title, steps=back), steps)
+            done = apply(task, part)
+            task, steps = done.task, steps + done.steps
+        return Applied(task, steps)
     edit = Edit(task)
     command.plan(edit)
-    made = edit.draft.task(_about(command)) if edit.steps else task
-    return Applied(made, Patch(title=title, steps=tuple(edit.back)), tuple(edit.steps))
+    return Applied(edit.draft.task(_about(command)) if edit.steps else task, tuple(edit.steps))
 
 
 def _about(command: AnyCommand) -> str:

@@ -1,4 +1,4 @@
-"""Commands applied to documents: the text changes only where the command does, and the inverse gives the bytes back.
+"""Commands applied to documents: the text changes only where the command does.
 
 A text typed by a person is a command too: the steps from the old task to the new one, and the very bytes. So it stands
 in the same history, and what lives beside a task (layout, breakpoints, a selection) follows it.
@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from hashlib import blake2b
 
 from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task.document import CHILDREN, Document, read_text
@@ -17,8 +16,8 @@ from grip_bt.task.model import Task
 from grip_bt.task.parts import FREE_PREFIX
 
 from ..canonical import file_data
-from .commands import AnyCommand, Patch, Restore, Splice, apply
-from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_record, path_after
+from .commands import AnyCommand, Patch, apply
+from .steps import Assign, Drop, Place, Put, Rekey, Shift, Step, is_record, path_after
 from .text import Text
 
 
@@ -35,14 +34,11 @@ class Edited:
     """A document after a command.
 
     Attributes:
-        inverse: the command that leads back; on this document's text to the very bytes that were there before.
         steps: what was done, for whatever else follows the edit.
     """
 
     document: Document
-    inverse: Patch
     steps: tuple[Step, ...]
-    splices: tuple[Splice, ...]
 
     def path(self, before: str) -> str | None:
         """Return where the node that was at a path is now; None when it is gone."""
@@ -57,24 +53,15 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
             nothing has changed.
     """
     done = apply(document.task, command)
-    if isinstance(command, Patch) and command.restore and command.restore.digest == _digest_of(document.text):
-        text, splices, sources = document.text, command.restore.splices, {}
-        for splice in splices:
-            text = text[: splice.start] + splice.new + text[splice.start + len(splice.old) :]
+    if isinstance(command, Patch) and command.text is not None:
+        text = command.text
     else:
         draft = Text(document.text)
-        taken = [draft.take(step) for step in done.steps]
+        for step in done.steps:
+            draft.take(step)
         draft.flush()
-        text, splices = draft.text, tuple(draft.splices)
-        sources = {len(taken) - 1 - number: source for number, source in enumerate(taken) if source}
-    after = _read(text, document.source, done.task)
-    back = tuple(Splice(start=s.start, old=s.new, new=s.old) for s in reversed(splices))
-    inverse = Patch(
-        title=done.inverse.title,
-        steps=tuple(_with_source(step, sources.get(n)) for n, step in enumerate(done.inverse.steps)),
-        restore=Restore(digest=_digest_of(text), splices=back),
-    )
-    return Edited(after, inverse, done.steps, splices)
+        text = draft.text
+    return Edited(_read(text, document.source, done.task), done.steps)
 
 
 def _read(text: str, source: str, expected: Task) -> Document:
@@ -88,18 +75,6 @@ def _read(text: str, source: str, expected: Task) -> Document:
     return after
 
 
-def _with_source(step: Step, source: str | None) -> Step:
-    if source is not None and isinstance(step, Remark):
-        return step.model_copy(update={"text": source})
-    if source is not None and isinstance(step, Put | Assign):
-        return step.model_copy(update={"source": source})
-    return step
-
-
-def _digest_of(text: str) -> str:
-    return blake2b(text.encode(errors="surrogatepass"), digest_size=16).hexdigest()
-
-
 TITLE = "edit the text"
 
 
@@ -107,8 +82,7 @@ def rewrite(document: Document, text: str, title: str = TITLE) -> Patch:
     """Return the command that gives a document another text; DocumentError where the text isn't a task."""
     after = read_text(text, document.source)
     steps = tuple(differences(file_data(document.task), file_data(after.task)))
-    restore = Restore(digest=_digest_of(document.text), splices=(_splice(document.text, text),))
-    return Patch(title=title, steps=steps, restore=restore)
+    return Patch(title=title, steps=steps, text=text)
 
 
 def differences(old: dict[str, object], new: dict[str, object], at: Place = ()) -> Iterator[Step]:
@@ -172,10 +146,3 @@ def _renamed(old: dict[str, object], new: dict[str, object], at: Place) -> Itera
 def _same_data(one: object, other: object) -> bool:
     """Tell whether two values stand for the same in a file: 1, 1.0 and true are three things, and order counts."""
     return one is other or json.dumps(one) == json.dumps(other)
-
-
-def _splice(old: str, new: str) -> Splice:
-    shorter = min(len(old), len(new))
-    start = next((i for i in range(shorter) if old[i] != new[i]), shorter)
-    end = next((i for i in range(shorter - start) if old[-1 - i] != new[-1 - i]), shorter - start)
-    return Splice(start=start, old=old[start : len(old) - end], new=new[start : len(new) - end])

@@ -13,7 +13,7 @@ from grip_bt.base.yaml.models import diagnostic_of
 from grip_bt.base.yaml.tree import YamlMapping, from_data
 from grip_bt.task.canonical import file_data
 from grip_bt.task.document import CHILDREN
-from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
+from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Shift, Step, is_head, is_record
 from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, walk
 from grip_bt.task.parts import FREE_PREFIX
 
@@ -39,8 +39,8 @@ class Draft:
                 raise EditError("/".join(at[:depth]), f"{key!r} holds nothing")
         return current  # type: ignore[no-any-return]
 
-    def apply(self, step: Step) -> Step:
-        """Do one step and return its inverse.
+    def apply(self, step: Step) -> None:
+        """Do one step.
 
         Raises:
             EditError: an entry isn't there, or is there already; nothing is changed.
@@ -49,38 +49,28 @@ class Draft:
         if isinstance(step, Put):
             _expect(inside, step.at, step.key, False)
             _insert(inside, step.at, step.key, file_data(step.value), step.index)
-            return Drop(at=step.at, key=step.key)
+            return
         if not is_head(step):
             _expect(inside, step.at, step.key, True)
-        if isinstance(step, Remark):
-            # a task knows no comments: who has the text fills in what was there
-            return step.model_copy(update={"text": ""})
         if isinstance(step, Drop):
-            order = position(inside, step.at, step.key)
-            return Put(at=step.at, key=step.key, value=inside.pop(step.key), index=order)
-        if isinstance(step, Assign):
-            index = _index(inside, step.key)
-            before = inside[index]
-            inside[index] = file_data(step.value)
-            return Assign(at=step.at, key=step.key, value=before)
-        if isinstance(step, Rekey):
+            inside.pop(step.key)
+        elif isinstance(step, Assign):
+            inside[_index(inside, step.key)] = file_data(step.value)
+        elif isinstance(step, Rekey):
             _expect(inside, step.at, step.to, False)
             entries = [(step.to if key == step.key else key, value) for key, value in inside.items()]
             inside.clear()
             inside.update(entries)
-            return Rekey(at=step.at, key=step.to, to=step.key)
-        return self._shift(inside, step)
+        elif isinstance(step, Shift):
+            self._shift(inside, step)
 
-    def _shift(self, inside: dict[str, object], step: Shift) -> Step:
+    def _shift(self, inside: dict[str, object], step: Shift) -> None:
         if step.to[: len(step.at) + 1] == (*step.at, step.key):
             raise EditError("/".join(step.at), f"{step.key!r} can't go into itself")
         into = self.mapping(step.to)
         if into is not inside:
             _expect(into, step.to, step.key, False)
-        index = position(inside, step.at, step.key)
-        value = inside.pop(step.key)
-        _insert(into, step.to, step.key, value, step.index)
-        return Shift(at=step.to, key=step.key, to=step.at, index=index)
+        _insert(into, step.to, step.key, inside.pop(step.key), step.index)
 
     def task(self, where: str) -> Task:
         """Return the task that the draft has become.
@@ -105,21 +95,9 @@ def _has(inside: Collection[object], key: str) -> bool:
     return key.isdecimal() and int(key) < len(inside) if isinstance(inside, list) else key in inside
 
 
-def position(mapping: dict[str, object], at: Place, key: str) -> int | None:
-    """Return the position of an entry among those whose order counts; None where the order of keys is fixed."""
-    ordered = _ordered(mapping, at, key)
-    return None if ordered is None else ordered.index(key)
-
-
-def _ordered(mapping: dict[str, object], at: Place, key: str) -> list[str] | None:
-    if not is_record(at):
-        return list(mapping)
-    return [k for k in mapping if k.startswith(FREE_PREFIX)] if key.startswith(FREE_PREFIX) else None
-
-
 def _insert(mapping: dict[str, object], at: Place, key: str, value: object, index: int | None) -> None:
-    ordered = _ordered(mapping, at, key)
-    following = ordered[index:] if ordered is not None and index is not None else []
+    ordered = [k for k in mapping if not is_record(at) or (key.startswith(FREE_PREFIX) and k.startswith(FREE_PREFIX))]
+    following = [] if index is None else ordered[index:]
     moved = [(k, mapping.pop(k)) for k in following]
     mapping[key] = value
     mapping.update(moved)
@@ -132,7 +110,7 @@ def _expect(mapping: dict[str, object], at: Place, key: str, present: bool) -> N
 
 
 class Edit:
-    """A task, the draft that it becomes, the steps taken and those that lead back.
+    """A task, the draft that it becomes, and the steps taken.
 
     `task` is as it was before the command; `draft` is as it is now.
     """
@@ -141,11 +119,9 @@ class Edit:
         self.task = task
         self.draft = Draft(task)
         self.steps: list[Step] = []
-        self.back: list[Step] = []
 
     def take(self, step: Step) -> None:
-        """Do one step and remember how to undo it."""
-        self.back.insert(0, self.draft.apply(step))
+        self.draft.apply(step)
         self.steps.append(step)
 
     def put(self, at: Place, key: str, value: object, index: int | None = None) -> None:

@@ -18,11 +18,11 @@ from grip_bt.base.files import replace_text
 from ..document import Document, read_text
 from .commands import AnyCommand, title_of
 from .documents import Edited, apply_to_document, rewrite
-from .steps import Step
+from .steps import Step, backwards
 
 LIMIT = 1000
 """Moments that a history holds, unless it is told otherwise."""
-VERSION = 2
+VERSION = 3
 LARGEST = 10_000_000
 """Bytes of a file; a larger history is stored without its oldest moments."""
 OUTSIDE = "changed outside"
@@ -40,10 +40,8 @@ class Moment(BaseModel):
     title: str
     """What was done, in a few words."""
     text: str
-    back: tuple[Step, ...] = ()
-    """The way to the one before, for what follows the nodes."""
-    forth: tuple[Step, ...] = ()
-    """The way from there."""
+    steps: tuple[Step, ...] = ()
+    """The way from the one before, for what follows the nodes."""
 
 
 class History:
@@ -104,8 +102,7 @@ class History:
         edited = apply_to_document(self._document, command)
         number, self._next = self._next, self._next + 1
         told = {"title": title_of(command), "text": edited.document.text}
-        made = Moment(number=number, parent=self._at, **told, back=edited.inverse.steps, forth=edited.steps)
-        self._moments[number] = made
+        self._moments[number] = Moment(number=number, parent=self._at, **told, steps=edited.steps)
         self._at, self._document = number, edited.document
         self._forget()
         return edited
@@ -117,7 +114,7 @@ class History:
             raise EditError("", "there is nothing to undo")
         self._left[moment.parent] = moment.number
         self._turn_to(moment.parent)
-        return moment.back
+        return backwards(moment.steps)
 
     def redo(self, number: int | None = None) -> tuple[Step, ...]:
         """Go to a moment that was made from this one: to the one of this number, or to the one that was left last.
@@ -132,7 +129,7 @@ class History:
         left = self._left.get(self._at)
         moment = self._moments[number if number is not None else left if left in below else below[-1]]
         self._turn_to(moment.number)
-        return moment.forth
+        return moment.steps
 
     def go(self, number: int) -> tuple[Step, ...]:
         """Go to any moment, over undo and redo; return the way there.
@@ -160,7 +157,7 @@ class History:
             gone = self._moments.pop(next(loose, next(iter(self._moments))))
             if gone.parent is None:
                 (first,) = self._below(gone.number)
-                self._moments[first] = self._moments[first].model_copy(update={"parent": None, "back": (), "forth": ()})
+                self._moments[first] = self._moments[first].model_copy(update={"parent": None, "steps": ()})
 
     def _below(self, number: int) -> list[int]:
         return [moment.number for moment in self._moments.values() if moment.parent == number]
@@ -177,7 +174,7 @@ class History:
 class _Stored(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    grip_history: Literal[2]
+    grip_history: Literal[3]
     at: int
     moments: list[Moment] = Field(min_length=1)
 
@@ -219,7 +216,7 @@ def save_history(history: History, path: Path) -> None:
 
 def stored(history: History) -> str:
     """Return a history as the text of its file."""
-    made = _Stored(grip_history=2, at=history.at.number, moments=list(history.moments))
+    made = _Stored(grip_history=3, at=history.at.number, moments=list(history.moments))
     return json.dumps(made.model_dump(mode="json"), ensure_ascii=False) + "\n"
 
 

@@ -2,7 +2,7 @@
 
 A place is the keys on the way to a mapping of the file: `("root", "children", "look", "in")`; in a list the keys are
 `0`, `1` ... (its entries are renamed within and assigned, not put, dropped or shifted). The same steps are
-applied to the models (`draft`) and to the text (`text`), so the two can't drift apart; each has an exact inverse.
+applied to the models (`draft`) and to the text (`text`), so the two can't drift apart.
 """
 
 from __future__ import annotations
@@ -33,8 +33,6 @@ class Put(_Step):
     value: object
     index: int | None = None
     """Position among the entries whose order counts; None: at the end."""
-    source: str | None = None
-    """The lines that it was written in when it was taken out, indented from column 0, with their comments."""
 
 
 class Drop(_Step):
@@ -61,8 +59,6 @@ class Assign(_Step):
     at: Place
     key: str
     value: object
-    source: str | None = None
-    """The lines of the whole entry, as in `Put`; for one that goes back to what it was."""
 
 
 class Shift(_Step):
@@ -149,6 +145,24 @@ def path_after(path: str, steps: Iterable[Step]) -> str | None:
     if where is None or where[0] != "root":
         return None
     return "/".join(where[1:]) or "/"
+
+
+def backwards(steps: Iterable[Step]) -> tuple[Step, ...]:
+    """Return steps that lead nodes back to where they were, for `path_after`; values aren't those that there were."""
+    return tuple(_backwards(step) for step in reversed(tuple(steps)))
+
+
+def _backwards(step: Step) -> Step:
+    match step:
+        case Put():
+            return Drop(at=step.at, key=step.key)
+        case Drop():
+            return Put(at=step.at, key=step.key, value=None)
+        case Rekey():
+            return Rekey(at=step.at, key=step.to, to=step.key)
+        case Shift():
+            return Shift(at=step.to, key=step.key, to=step.at)
+    return step
 
 
 def _after(where: tuple[str, ...], step: Step) -> tuple[str, ...] | None:

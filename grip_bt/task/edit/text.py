@@ -18,7 +18,6 @@ from grip_bt.base.yaml.tree import (
 from grip_bt.base.yaml.writer import WIDTH, in_braces
 
 from ..canonical import lines_of
-from .commands import Splice
 from .comment import found_at, head_at, lines_of_comment
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_head, path_of, position_of
 from .text_places import (
@@ -36,37 +35,35 @@ from .text_places import (
 
 
 class Text:
-    """A text under edit, whose lines end in one way; `splices` are the changes, in their order."""
+    """A text under edit, whose lines end in one way."""
 
     def __init__(self, text: str):
         if "\r" in text.replace("\r\n", ""):
             raise EditError("", NOT_EDITABLE)
         self.text = text
-        self.splices: list[Splice] = []
         self._newline = "\r\n" if "\r\n" in text else "\n"
         self._tree: YamlMapping | None = None
         self._pending: dict[int, tuple[int, str]] = {}
 
-    def take(self, step: Step) -> str | None:
-        """Do one step; return the lines of what it took out, if anything."""
+    def take(self, step: Step) -> None:
         if isinstance(step, Rekey):
             self._rekey(step)
-            return None
+            return
         if isinstance(step, Assign):
-            return self._assign(step)
+            self._assign(step)
+            return
         self.flush()
         if isinstance(step, Remark):
-            return self._remark(step)
-        if isinstance(step, Put):
-            self._put(step.at, step.key, step.value, step.index, step.source)
-            return None
-        if isinstance(step, Drop):
-            return self._drop(step.at, step.key)
-        value = to_data(self._entry(step.at, step.key).value)
-        self._make_tidy(step.at)
-        source = self._drop(step.at, step.key)
-        self._put(step.to, step.key, value, step.index, source)
-        return None
+            self._remark(step)
+        elif isinstance(step, Put):
+            self._put(step.at, step.key, step.value, step.index)
+        elif isinstance(step, Drop):
+            self._drop(step.at, step.key)
+        else:
+            value = to_data(self._entry(step.at, step.key).value)
+            self._make_tidy(step.at)
+            source = self._drop(step.at, step.key)
+            self._put(step.to, step.key, value, step.index, source)
 
     @property
     def tree(self) -> YamlMapping:
@@ -108,7 +105,6 @@ class Text:
     def _splice(self, start: int, end: int, new: str) -> None:
         old = self.text[start:end]
         if old != new:
-            self.splices.append(Splice(start=start, old=old, new=new))
             self.text = self.text[:start] + new + self.text[end:]
             self._tree = None
 
@@ -122,76 +118,71 @@ class Text:
         entry.key = step.to
         inside.entries = {e.key: e for e in inside.entries.values()}
 
-    def _assign(self, step: Assign) -> str:
+    def _assign(self, step: Assign) -> None:
         entry = self._entry(step.at, step.key)
         value = entry.value
         begin, end = value.span
         simple = isinstance(value, YamlScalar) and begin != end and "\n" not in self.text[begin:end]
-        if simple and step.source is None and not isinstance(step.value, dict | list | tuple):
+        if simple and not isinstance(step.value, dict | list | tuple):
             in_flow = any(getattr(self._value(step.at[:depth]), "flow", False) for depth in range(len(step.at) + 1))
             new = lines_of("k", step.value, False) if not in_flow else [f"k: {write_scalar(step.value, flow=True)}"]
             if len(new) == 1 and begin not in self._pending and entry.start not in self._pending:
-                taken = self._taken(step.at, entry)
                 self._pending[begin] = (end, new[0].removeprefix("k: "))
-                return taken
+                return
         self.flush()
-        return self._replace(step)
+        self._replace(step)
 
-    def _taken(self, at: Place, entry: YamlEntry) -> str:
+    def lines_at(self, at: Place, key: str) -> str:
+        """Return the lines of an entry, indented from column 0, with their comments."""
+        entry = self._entry(at, key)
         if not one_entry_a_line(self.text, self._value(at)):
             return "\n".join(lines_of(entry.key, to_data(entry.value), False)) + "\n"
         begin = line_start(self.text, entry.start)
         return dedented(self.text[begin : region_end(self.text, entry)], entry.column).replace("\r\n", "\n")
 
-    def _replace(self, step: Assign) -> str:
+    def _replace(self, step: Assign) -> None:
         entry = self._entry(step.at, step.key)
         inside = self._mapping(step.at)
-        taken = self._taken(step.at, entry)
         new = YamlEntry(step.key, from_data(step.value))
         if self._rewrite(inside, [new if each is entry else each for each in entries_of(inside)]):
-            return taken
+            return
         self._make_tidy(step.at)
         entry = self._entry(step.at, step.key)
         begin, end = line_start(self.text, entry.start), region_end(self.text, entry)
-        if step.source is not None:
-            lines = step.source.removesuffix("\n").split("\n")
-        else:
-            # comments below the value that it closes stay; one beside it stays beside it
-            last = content_end(self.text, entry)
-            beside = self.text[last : line_end(self.text, last)].strip()
-            if not isinstance(entry.value, YamlScalar) and not entry.value.flow:
-                end = line_end(self.text, last)
-                beside = ""
-            elif beside:
-                end = line_end(self.text, last)
-            is_node = path_of((*step.at, step.key)) is not None
-            lines = lines_of(step.key, step.value, is_node, beside if beside.startswith("#") else "")
+        # comments below the value that it closes stay; one beside it stays beside it
+        last = content_end(self.text, entry)
+        beside = self.text[last : line_end(self.text, last)].strip()
+        if not isinstance(entry.value, YamlScalar) and not entry.value.flow:
+            end = line_end(self.text, last)
+            beside = ""
+        elif beside:
+            end = line_end(self.text, last)
+        is_node = path_of((*step.at, step.key)) is not None
+        lines = lines_of(step.key, step.value, is_node, beside if beside.startswith("#") else "")
         self._splice(begin, end, self._joined(indented(lines, entry.column), end))
-        return taken
 
-    def _remark(self, step: Remark) -> str:
+    def _remark(self, step: Remark) -> None:
         column, lines = 1, lines_of_comment("/".join(step.at), step.text)
         if is_head(step):
             found = head_at(self.text, self.tree)
         else:
             if not lines and not one_entry_a_line(self.text, self._mapping(step.at)):
-                return ""
+                return
             self._make_tidy(step.at)
             if not one_entry_a_line(self.text, self._mapping(step.at)):
                 raise EditError("/".join(step.at), NOT_EDITABLE)
             found = found_at(self.text, self._mapping(step.at), step.key)
             column = self._entry(step.at, step.key).column
         if found.text == step.text:
-            return found.text
+            return
         if found.beside and found.begin == found.end and len(lines) == 1:
             self._splice(*found.beside, lines[0])
-            return found.text
+            return
         if found.beside:
             begin, end = found.beside
             self._splice(len(self.text[:begin].rstrip(" ")), end, "")
         above = "".join(line + self._newline for line in indented(lines, column))
         self._splice(found.begin, found.end if lines else found.after, above)
-        return found.text
 
     def _drop(self, at: Place, key: str) -> str:
         inside, entry = self._mapping(at), self._entry(at, key)
@@ -214,7 +205,7 @@ class Text:
         self._splice(colon, colon, " {}")
         return source
 
-    def _put(self, at: Place, key: str, value: object, index: int | None, source: str | None) -> None:
+    def _put(self, at: Place, key: str, value: object, index: int | None, source: str | None = None) -> None:
         is_node = path_of((*at, key)) is not None
         inside = self._mapping(at)
         if not is_node and (source is None or "#" not in source):

@@ -135,9 +135,9 @@ def test_a_program_is_caught_at_its_first_tick_with_its_handlers_and_its_period(
 
 
 def test_breakpoints_hold_a_tree_in_its_tick_and_see_its_blackboard(code: Path) -> None:
-    breaks = [{"node": "watch/fine", "condition": "charge < 25"}]
-    with open_session(f"{code}:create_root", RunOptions(robot="fake", breaks=breaks)) as session:
+    with open_session(f"{code}:create_root", RunOptions(robot="fake")) as session:
         held: list[str] = []
+        session.runner.debugger.set("watch/fine", condition="charge < 25")
         session.runner.debugger.on_held(lambda at: (held.append(at.path), session.runner.resume()))
         assert session.runner.run().status == "success"
     assert held == ["watch/fine"]

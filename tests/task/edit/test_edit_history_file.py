@@ -108,8 +108,8 @@ def test_a_change_from_outside_is_one_more_moment(tmp_path):
     ("change", "words"),
     [
         (
-            lambda data: data.update(grip_history=3),
-            "version 3 of the edit history is newer than this version of GRIP reads",
+            lambda data: data.update(grip_history=4),
+            "version 4 of the edit history is newer than this version of GRIP reads",
         ),
         (lambda data: data["moments"][-1].update(text="grip: 1\n"), "is corrupt .* is missing"),
         (lambda data: data.update(at=9), "is corrupt"),
@@ -117,7 +117,7 @@ def test_a_change_from_outside_is_one_more_moment(tmp_path):
         (lambda data: data["moments"][2].update(parent=2), "is corrupt"),
         (lambda data: data["moments"][2].update(number=1), "is corrupt"),
         (lambda data: data["moments"][1].update(parent=None), "is corrupt"),
-        (lambda data: data["moments"][1].update(forth=[{"step": "burn"}]), "is corrupt"),
+        (lambda data: data["moments"][1].update(steps=[{"step": "burn"}]), "is corrupt"),
         (lambda data: data.clear(), "is corrupt"),
     ],
 )

@@ -37,36 +37,6 @@ def edited(data, task, random, kinds=None):
 
 @unhurried
 @given(st.data(), tasks, randoms)
-def test_an_edit_is_undone_and_done_again_to_the_byte(data, task, random):
-    made = edited(data, task, random)
-    if made is None:
-        return
-    document, _, _, after = made
-    undone = apply_to_document(after.document, after.inverse)
-    assert undone.document.text == document.text
-    redone = apply_to_document(undone.document, undone.inverse)
-    assert redone.document.text == after.document.text
-    assert command_of(after.inverse.model_dump()) == after.inverse
-
-
-@unhurried
-@given(st.data(), tasks, randoms)
-def test_an_edit_is_undone_with_its_comments_after_the_text_changed_elsewhere(data, task, random):
-    made = edited(data, task, random)
-    if made is None:
-        return
-    document, comments, _, after = made
-    lost = [comment for comment in comments if comment not in after.document.text]
-    elsewhere = read_text("# changed elsewhere\n\n" + after.document.text)
-    undone = apply_to_document(elsewhere, after.inverse)
-    assert dumps(undone.document.task) == dumps(document.task)
-    if not any(step.step == "assign" and step.source is None for step in after.inverse.steps):
-        back = [comment for comment in lost if comment in undone.document.text]
-        assert len(back) == len(lost) or "{" in document.text
-
-
-@unhurried
-@given(st.data(), tasks, randoms)
 def test_edits_that_take_nothing_out_keep_every_comment(data, task, random):
     made = edited(data, task, random, KEEPING)
     if made is None:
@@ -106,10 +76,8 @@ def lines_of_node(document, path):
 
 
 def edit(text, **command):
-    """Return a text after a command, with the promise that it can be undone."""
-    after = apply_to_document(read_text(text), command_of(command))
-    assert apply_to_document(after.document, after.inverse).document.text == text
-    return after.document.text
+    """Return a text after a command."""
+    return apply_to_document(read_text(text), command_of(command)).document.text
 
 
 TEXT = """\

@@ -51,7 +51,7 @@ TITLES = [
         "unwrap a and 1 more",
     ),
     ({"do": "patch", "title": "remove a", "steps": []}, "remove a"),
-    ({"do": "patch", "steps": []}, "revert an edit"),
+    ({"do": "patch", "steps": []}, "change several things"),
 ]
 
 

@@ -127,8 +127,6 @@ export function eventText(event: RunEvent): string {
       return "is asked to stop";
     case "interrupted":
       return "is halted";
-    case "damaged":
-      return `the journal is damaged: ${String(data["message"])}`;
     case "zombie":
       return `left behind: its code hangs in ${String(data["where"])}`;
     default:

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Literal, TextIO
 from grip_bt.base.errors import GripError
 from grip_bt.task.catalog.component_file import Ready, Restart
 
-from ..process import Process
+from .process import Process
 
 if TYPE_CHECKING:
-    from ..client.connection import Connection
+    from .client.connection import Connection
 
 State = Literal["waiting", "starting", "ready", "restarting", "silent", "ended", "failed", "stopped"]
 LOOK = 0.1
@@ -41,8 +41,6 @@ class Member:
         restarts: how often, at most.
         restart_delay: how long to wait before [s].
         required: whether the group ends when it is given up.
-        ends_all: whether the group ends when it ends, however.
-        after: how long after the group's start it is started [s]; one that waits keeps no other waiting.
     """
 
     name: str
@@ -54,8 +52,6 @@ class Member:
     restarts: int = 3
     restart_delay: float = 1.0
     required: bool = True
-    ends_all: bool = False
-    after: float = 0.0
 
 
 @dataclass
@@ -118,14 +114,10 @@ class ProcessGroup:
         Raises:
             StartError: one isn't ready in time or ended before; all are ended again.
         """
-        began = time.monotonic()
         try:
             for running in self._all.values():
                 if self._stopping.is_set():
                     return
-                if running.member.after > 0:
-                    running.again_at = began + running.member.after
-                    continue
                 self._begin(running)
                 self._until_ready(running)
         except BaseException:
@@ -143,10 +135,9 @@ class ProcessGroup:
                 for running in self._all.values():
                     self._look(running)
                 failed = [r for r in self._all.values() if r.state == "failed"]
-                if given_up := [r for r in failed if r.member.required or r.member.ends_all]:
+                if given_up := [r for r in failed if r.member.required]:
                     return given_up[0].why
-                over = [r for r in self._all.values() if r.state in ("ended", "failed")]
-                if len(over) == len(self._all) or any(r.member.ends_all for r in over):
+                if all(r.state in ("ended", "failed") for r in self._all.values()):
                     return failed[0].why if failed else ""
             return ""
         finally:
@@ -213,7 +204,7 @@ class ProcessGroup:
     def _look(self, running: _Running) -> None:
         process, now = running.process, time.monotonic()
         self._copy(running)
-        if running.state == "restarting" or (running.state == "waiting" and running.again_at):
+        if running.state == "restarting":
             if now >= running.again_at:
                 self._begin(running)
         elif process is None or running.state in ("ended", "failed", "stopped"):
@@ -299,7 +290,7 @@ class GraphWatch:
 
     def sees(self, ready: Ready) -> bool:
         """Tell whether a service or topic has somebody who serves it."""
-        from ..client.connection import Connection  # a launch without readiness signs loads no ROS
+        from .client.connection import Connection  # a launch without readiness signs loads no ROS
 
         if self._connection is None:
             self._connection = Connection("grip_launch", self._domain)
@@ -317,7 +308,7 @@ class GraphWatch:
         """Return which services or topics there are instead of one that didn't come, as the end of a sentence."""
         if ready.log is not None or self._connection is None:
             return ""
-        from ..client.graph import instead
+        from .client.graph import instead
 
         node, name = self._connection.node, str(ready.service or ready.topic)
         asked = self._connection.post(lambda: instead(node, name, "", "served" if ready.service else "published"))

@@ -15,8 +15,8 @@ from patience import PATIENCE, Ahead, until
 from ros_bench import ended
 
 from grip_bt.ros.client.types import load_type
-from grip_bt.ros.launch.group import GraphWatch, Member, ProcessGroup, StartError
 from grip_bt.ros.process import child_environment
+from grip_bt.ros.process_group import GraphWatch, Member, ProcessGroup, StartError
 from grip_bt.task.catalog.component_file import Ready
 
 MARK = "GRIP_TEST_GROUP"
@@ -31,7 +31,7 @@ def mark(tmp_path) -> str:
 def ahead(monkeypatch) -> Ahead:
     """Return the time of groups; a test may skip some of it."""
     clock = Ahead()
-    monkeypatch.setattr("grip_bt.ros.launch.group.time", clock)
+    monkeypatch.setattr("grip_bt.ros.process_group.time", clock)
     return clock
 
 
@@ -141,14 +141,6 @@ def test_a_good_end_is_no_failure_and_not_repeated_on_failure(tmp_path):
     assert group.states() == {"it": "ended"}
 
 
-def test_the_end_of_one_that_all_hang_on_ends_all(tmp_path, mark):
-    short = member(tmp_path, "short", "import time; time.sleep(0.3)", ends_all=True)
-    group = ProcessGroup([member(tmp_path, "other", SLEEP), short], tmp_path / "logs")
-    group.start()
-    assert group.run() == ""  # the other would sleep for ten minutes
-    assert none_left(mark)
-
-
 @pytest.mark.slow
 def test_all_end_at_once_whatever_they_do_against_it(tmp_path, mark):
     members = [member(tmp_path, f"m{i}", STUBBORN, ready=Ready(log="up", within=PATIENCE)) for i in range(3)]
@@ -184,7 +176,7 @@ def test_nothing_is_left_after_grip_launch_is_killed(tmp_path, mark):
 @pytest.mark.ros
 def test_a_served_name_tells_that_it_is_ready_and_its_loss_that_it_is_silent(tmp_path, domain, monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    monkeypatch.setattr("grip_bt.ros.launch.group.SILENCE", 0.5)
+    monkeypatch.setattr("grip_bt.ros.process_group.SILENCE", 0.5)
     seen = tmp_path / "seen"
     code = f"""
 import pathlib, time, rclpy
