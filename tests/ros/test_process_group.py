@@ -210,25 +210,6 @@ time.sleep(600)
     assert "/ready_at_last disappeared" in told[2][1]
 
 
-def test_what_a_timer_holds_back_comes_in_its_time_and_keeps_nobody_waiting(tmp_path, ahead):
-    late = member(tmp_path, "late", "print('late')", after=1000, required=False)
-    over = member(tmp_path, "over", "", after=2000, required=False, ends_all=True)
-    first = member(tmp_path, "first", SLEEP, required=False)
-    told = []
-
-    def tell(name: str, state: str, detail: str) -> None:
-        told.append((name, state))
-        if told[-1] in (("first", "ready"), ("late", "ended")):
-            ahead.skip(1000)  # what comes next is due now, and nothing else
-
-    group = ProcessGroup([late, over, first], tmp_path / "logs", on_change=tell)
-    group.start()
-    assert group.states() == {"late": "waiting", "over": "waiting", "first": "ready"}
-    assert group.run() == ""
-    due = [("late", "starting"), ("over", "starting"), ("first", "stopped")]
-    assert [one for one in told if one in due] == due
-
-
 @pytest.mark.ros
 def test_a_sign_that_does_not_come_is_told_with_what_is_there(tmp_path, domain):
     mute = member(tmp_path, "mute", SLEEP, ready=Ready(topic="/lamp", within=0.3))
