@@ -51,9 +51,7 @@ root:
         ({"do": "remove", "path": "first"}, ["  children:\n    again:"]),
     ],
 )
-def test_a_command_changes_what_it_should(
-    command: dict[str, Any], wanted: list[str]
-) -> None:
+def test_a_command_changes_what_it_should(command: dict[str, Any], wanted: list[str]) -> None:
     document = read_text(TEXT)
     done = apply_to_document(document, command_of(command))
     for line in wanted:
