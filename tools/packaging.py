@@ -22,6 +22,7 @@ from pathlib import Path
 from packaging_smoke import SMOKES, SmokeError
 
 ROOT = Path(__file__).resolve().parent.parent
+PYTHONS = ("3.11", "3.12", "3.13")
 ALLOWED = 250
 """Most that the installation without extras may take [MB]."""
 LISTING = """
@@ -40,10 +41,10 @@ Row = tuple[str, str, str, int]
 
 
 def said(*command: str | Path, **more: object) -> str:
-    """Run a command and return what it prints; end with its words where it fails."""
+    """Run a command and return what it prints. Raises SmokeError: it fails; with its words."""
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **more)  # type: ignore[call-overload]
     if done.returncode:
-        sys.exit(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
+        raise SmokeError(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
     return str(done.stdout)
 
 
@@ -111,7 +112,7 @@ def built_by_colcon(version: str, python: str) -> None:
     """Have colcon build the repository and a project in an environment of its own, which pip fills."""
     needed = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
     with tempfile.TemporaryDirectory(prefix="grip-colcon-") as place:
-        own = environment(python, Path(place) / "env", "colcon-core", "colcon-ros", *needed)
+        own = environment(python, Path(place) / "env", "colcon-common-extensions", *needed)
         around = os.environ | {"PATH": f"{own.parent}{os.pathsep}{os.environ['PATH']}"}
         tests = (sys.executable, "-m", "pytest", "-q", "-m", "slow", "tests/test_ros_package.py")
         print(f"{version} colcon: {said(*tests, cwd=ROOT, env=around).strip().splitlines()[-1]}", flush=True)
@@ -153,14 +154,14 @@ def main() -> int:
     """Build, install, try, and write the tables; 1 when something is wrong."""
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--python", action="append", help="3.11, 3.12 (default: both)")
+    parser.add_argument("--python", action="append", help=f"default: {', '.join(PYTHONS)}")
     parser.add_argument("--extra", action="append", choices=("none", *declared), help="default: all, each by itself")
     parser.add_argument("--out", type=Path, default=ROOT / "dist", help="folder (default: dist)")
     args = parser.parse_args()
     extras = ["" if extra == "none" else extra for extra in args.extra or ("none", *declared)]
     wheel, _ = built(args.out)
     sizes, wrong, everything = ["| Python | extra | MB | packages |", "|---|---|---|---|"], 0, {}
-    for version in args.python or ("3.11", "3.12"):
+    for version in args.python or PYTHONS:
         python = interpreter(version)
         if python is None:
             print(f"NOT RUN: Python {version} isn't installed")
@@ -168,7 +169,7 @@ def main() -> int:
         if not args.extra:
             try:
                 built_by_colcon(version, python)
-            except subprocess.SubprocessError as error:
+            except SmokeError as error:
                 print(f"{version} colcon: WRONG: {error}", flush=True)
                 wrong += 1
         for extra in extras:

@@ -169,6 +169,17 @@ def rerun(grip: Path, work: Path, around: Surroundings) -> str:
     return _exported(grip, work, around, "rerun", b"RRF2")
 
 
+def parquet(grip: Path, work: Path, around: Surroundings) -> str:
+    """Write a campaign's results as Parquet."""
+    _told(grip, work, around, "new", "lab")
+    (work / "lab/c.yaml").write_text("campaign: 1\ntask: tasks/first.yaml\nrobot: fake\nseeds: [0, 1]\n")
+    _told(grip, work / "lab", around, "bench", "c.yaml", "-o", "c.jsonl")
+    _told(grip, work / "lab", around, "bench", "report", "c.jsonl", "-o", "c.parquet")
+    if not (work / "lab/c.parquet").read_bytes().startswith(b"PAR1"):
+        raise SmokeError("c.parquet isn't one")
+    return "grip bench report -o c.parquet"
+
+
 def registration(grip: Path, work: Path, around: Surroundings) -> str:
     """Import what registers clouds."""
     subprocess.run([grip.with_name("python"), "-c", "import small_gicp"], cwd=work, env=around, check=True)
@@ -189,7 +200,7 @@ def _exported(grip: Path, work: Path, around: Surroundings, to: str, begins: byt
 
 def everything(grip: Path, work: Path, around: Surroundings) -> str:
     """Try all of them in one environment."""
-    parts = (motion, robots, vision, sim, ros, recording)
+    parts = (motion, robots, vision, sim, ros, recording, registration)
     folders = [work / part.__name__ for part in parts]
     for folder in folders:
         folder.mkdir()
@@ -198,7 +209,7 @@ def everything(grip: Path, work: Path, around: Surroundings) -> str:
 
 SMOKES: Mapping[str, Callable[[Path, Path, Surroundings], str]] = {
     "": bare,
-    **{part.__name__: part for part in (motion, robots, vision, sim, ros, recording, rerun, registration)},
+    **{part.__name__: part for part in (motion, robots, vision, sim, ros, recording, rerun, parquet, registration)},
     "all": everything,
 }
 """Extra -> what tries it; returns what was seen."""

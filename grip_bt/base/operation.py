@@ -41,7 +41,7 @@ class Operation(Generic[T]):
         self._ended = threading.Event()
         self._result: T | None = None
         self._error: BaseException | None = None
-        self._callbacks: list[Callable[[], None]] = []
+        self._callbacks: list[Callable[[], object]] = []
         self._cancel_asked = False
         self._progress: Callable[[], Any] = lambda: None
         self._parts: list[Operation[Any]] = []
@@ -164,7 +164,7 @@ class Operation(Generic[T]):
         """What the work last said of how far it is; None when it said nothing."""
         return self._progress()
 
-    def add_done_callback(self, callback: Callable[[], None]) -> None:
+    def add_done_callback(self, callback: Callable[[], object]) -> None:
         """Call `callback()` when it ends, from the thread that ended it; at once if it has ended."""
         with self._lock:
             if not self._ended.is_set():

@@ -40,8 +40,8 @@ class Finding:
 
 def _python() -> Finding:
     found = f"Python {platform.python_version()} ({sys.executable})"
-    fits = (3, 11) <= sys.version_info[:2] <= (3, 12)
-    return Finding("python", "ok" if fits else "broken", found, "use Python 3.11 or 3.12: make PYTHON=python3.12")
+    fits = (3, 11) <= sys.version_info[:2] <= (3, 13)
+    return Finding("python", "ok" if fits else "broken", found, "use Python 3.11 to 3.13: make PYTHON=python3.12")
 
 
 def _imports(part: str, extra: str, modules: dict[str, str]) -> Finding:

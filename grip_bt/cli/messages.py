@@ -175,7 +175,8 @@ def _value(server: RosMessages, args: argparse.Namespace) -> Any:
         return server.next_of(args.topic, args.type, args.within)
     source = "value" if args.file is None else str(args.file)
     text = read_file(source) if args.file else sys.stdin.read() if args.value == "-" else args.value
-    type_ = args.type or next((e.type for e in _done(server.listing()).entries if e.store == args.store), "")
+    held = _done(server.listing())
+    type_ = args.type or dict(zip(held.stores, held.types, strict=True)).get(args.store, "")
     return value_from_text(args.store, source, text, type_, partial(joint_states_of, server, _done))
 
 

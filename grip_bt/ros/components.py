@@ -16,6 +16,7 @@ from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile, load_c
 
 from .client.action import ActionClient
 from .client.bus import Bus
+from .client.graph import LOOKING
 from .client.service import ServiceClient
 from .component import Client, RosComponent
 from .frames import FrameTree
@@ -59,6 +60,7 @@ class Components(Closing):
         if process is not None and isinstance(client, (ServiceClient, ActionClient)):
             client.server_started()
             process.when_ended(lambda: client.server_ended(process.describe_end()))
+            process.when_broken(lambda: client.server_ended(process.describe_end(), again=True).wait(LOOKING))
 
     @property
     def settled(self) -> bool:
@@ -169,6 +171,8 @@ def start_components(
         for name, file in files.items():
             log = project / ".grip" / "logs" / f"{name}.log"
             process = start_process(name, file.start, folders[name], log, domain_id, overlays[name])
+            if file.qos is not None:
+                bus.qos[file.server] = file.qos
             components.add(RosComponent(file, _client(bus, file), frames), process)
         actions = [file.server for file in files.values() if file.kind == "action" and file.moves]
         watchdog = bus.watchdog if actions else None  # which sees to what may move when this process has died

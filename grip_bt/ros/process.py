@@ -26,7 +26,7 @@ from grip_bt.ros.interfaces.packages import (
     launch_file_in,
     launch_file_of,
 )
-from grip_bt.task.catalog.component_file import ComponentFile, Start
+from grip_bt.task.catalog.component_file import ComponentFile, Start, wants_restart
 
 _PATIENCE = 3.5
 """How long the process reaper may take to end the group [s]."""
@@ -34,27 +34,47 @@ _OURS = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "ROS_PYTHON_CHECK_FIELDS")
 
 
 class Process:
-    """A command that runs until it ends or is stopped; `log`: file that takes what it prints; its folder is made."""
+    """A command that runs until it ends or is stopped.
 
-    def __init__(self, name: str, command: Sequence[str], folder: Path, env: Mapping[str, str], log: Path):
+    Args:
+        log: file that takes what it prints; its folder is made.
+        again: says whether it is started again after it ended by itself.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        command: Sequence[str],
+        folder: Path,
+        env: Mapping[str, str],
+        log: Path,
+        again: Start | None = None,
+    ):
         self.name, self.command, self.log = name, tuple(command), log
+        self._folder, self._env, self._again, self._starts = folder, dict(env), again, 0
+        self._lock, self._stopping = threading.Lock(), threading.Event()
+        self._broke: list[Callable[[], object]] = []
         log.parent.mkdir(parents=True, exist_ok=True)
-        with log.open("wb") as output:
+        self._start()
+        self._end: Operation[int] = Operation()
+        threading.Thread(target=self._watch, name=f"process-{name}", daemon=True).start()
+
+    def _start(self) -> None:
+        with self.log.open("ab" if self._starts else "wb") as output:
             self._popen = subprocess.Popen(
-                [sys.executable, "-I", "-S", str(Path(process_reaper.__file__).resolve()), *command],
-                cwd=folder,
-                env=dict(env),
+                [sys.executable, "-I", "-S", str(Path(process_reaper.__file__).resolve()), *self.command],
+                cwd=self._folder,
+                env=self._env,
                 stdin=subprocess.PIPE,
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
-        self._end: Operation[int] = Operation()
-        threading.Thread(target=self._watch, name=f"process-{name}", daemon=True).start()
+        self._starts += 1
 
     @property
     def alive(self) -> bool:
-        """Whether it runs."""
+        """Whether it runs or is about to be started again."""
         return not self._end.done()
 
     @property
@@ -65,10 +85,14 @@ class Process:
     @property
     def returncode(self) -> int | None:
         """The exit status (128 + number for a signal), None while it runs."""
-        return self._end.result() if self._end.done() else None
+        return self._popen.poll()
 
-    def when_ended(self, callback: Callable[[], None]) -> None:
-        """Call `callback()` when it has ended, from another thread; at once if it has."""
+    def when_broken(self, callback: Callable[[], object]) -> None:
+        """Call `callback()`, from another thread, each time that it ended by itself and will be started again."""
+        self._broke.append(callback)
+
+    def when_ended(self, callback: Callable[[], object]) -> None:
+        """Call `callback()` when it has ended for good, from another thread; at once if it has."""
         self._end.add_done_callback(callback)
 
     def stop(self) -> None:
@@ -80,6 +104,11 @@ class Process:
 
     def ask_to_stop(self) -> None:
         """Begin to end the group, without waiting."""
+        with self._lock:
+            self._stopping.set()
+            self._end_group()
+
+    def _end_group(self) -> None:
         assert self._popen.stdin is not None
         self._popen.stdin.close()
 
@@ -95,11 +124,25 @@ class Process:
         """Return how it ended and what it printed last, for an error message."""
         tail = self.log_tail()
         said = f"; its last output ({self.log}):\n{tail}" if tail else f"; it printed nothing ({self.log})"
-        return f"the process {self.name!r} ended with status {self.returncode}{said}"
+        again = f"; start {self._starts + 1} follows" if self.alive else ""
+        often = f" after {self._starts} starts" if self._starts > 1 and not again else ""
+        return f"the process {self.name!r} ended with status {self.returncode}{often}{again}{said}"
 
     def _watch(self) -> None:
         status = self._popen.wait()
-        self.ask_to_stop()
+        self._end_group()
+        while (again := self._again) is not None and self._starts <= again.restarts:
+            if self._stopping.is_set() or not wants_restart(again.restart, status != 0):
+                break
+            for callback in self._broke:
+                callback()
+            self._stopping.wait(again.restart_delay)
+            with self._lock:
+                if self._stopping.is_set():
+                    break
+                self._start()
+            status = self._popen.wait()
+            self._end_group()
         self._end.succeed(status)
 
 
@@ -157,9 +200,10 @@ def command_of(start: Start, folder: Path) -> list[str]:
     if start.launch is not None:
         file = launch_file_of(start.package, start.launch) if start.package else launch_file_in(folder, start.launch)
         return launch_command(file, start.arguments)
+    scope = ("--ros-args", "-r", f"__ns:={start.namespace}") if start.namespace else ()
     if start.executable is not None:
-        return [str(executable_of(str(start.package), start.executable)), *start.args]
-    return [word.replace("{python}", sys.executable) for word in start.command]
+        return [str(executable_of(str(start.package), start.executable)), *start.args, *scope]
+    return [word.replace("{python}", sys.executable) for word in (*start.command, *scope)]
 
 
 def launch_command(file: Path, arguments: Mapping[str, object]) -> list[str]:
@@ -188,7 +232,7 @@ def start_process(
         return None
     ours = any("{python}" in word for word in start.command)
     env = child_environment(overlays if ours else (), domain_id, start.env)
-    return Process(name, command_of(start, folder), folder, env, log)
+    return Process(name, command_of(start, folder), folder, env, log, start)
 
 
 _MISSING = re.compile(r"No module named '(\w+)'")

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TextIO
 
 from grip_bt.base.errors import GripError
-from grip_bt.task.catalog.component_file import Ready, Restart
+from grip_bt.task.catalog.component_file import Ready, Restart, wants_restart
 
 from .process import Process
 
@@ -254,9 +254,7 @@ class ProcessGroup:
 
     def _ended(self, running: _Running, process: Process) -> None:
         member, status = running.member, process.returncode
-        wanted = member.restart == "always" or (
-            member.restart == "on_failure" and (status != 0 or running.state == "silent")
-        )
+        wanted = wants_restart(member.restart, status != 0 or running.state == "silent")
         if wanted and running.starts <= member.restarts and not self._stopping.is_set():
             running.again_at = time.monotonic() + member.restart_delay
             self._set_state(running, "restarting", f"ended with status {status}; start {running.starts + 1}")

@@ -26,7 +26,7 @@ processes:
     folder: tools
     restart: always
     env: {MODE: $a}
-  camera: {package: camera_ros, executable: camera_node, args: [--fps, "30"], required: false}
+  camera: {package: camera_ros, executable: camera_node, args: [--fps, "30"], namespace: /left, required: false}
   spare: {package: arm_driver, executable: driver, run: false}
 sensors:
   overhead:

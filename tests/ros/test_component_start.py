@@ -16,7 +16,7 @@ from grip_bt.ros.interfaces.packages import PackageError, executable_of, launch_
 TEXT = """
 name: trigger
 interface: std_srvs/srv/Trigger
-server: /trigger
+server: %s
 outcomes: {done: success, failed: "true"}
 start: %s
 timeouts: {call: 400, ready: 400}
@@ -30,8 +30,8 @@ def component(tmp_path):
     home = tmp_path / "components" / "trigger"
     home.mkdir(parents=True)
 
-    def start(how: str, domain: int):
-        (home / "component.yaml").write_text(TEXT % how)
+    def start(how: str, domain: int, server: str = "/trigger"):
+        (home / "component.yaml").write_text(TEXT % (server, how))
         return start_components(tmp_path, ["trigger"], domain)
 
     start.home = home
@@ -79,6 +79,13 @@ def test_a_launch_file_is_started_and_all_of_it_ends_with_the_component(componen
         assert ended(components.client("trigger").call({}))["success"] is True
         pid = components.process("trigger").pid
     assert gone(pid)
+
+
+@pytest.mark.ros
+def test_a_program_is_started_in_a_namespace(component, prefix, domain):
+    command = ["{python}", str(DATA / "servers.py"), "std_srvs/Trigger", "trigger"]
+    with component(f"{{command: {command}, namespace: /left}}", domain, "/left/trigger") as components:
+        assert ended(components.client("trigger").call({}))["success"] is True
 
 
 @pytest.mark.ros

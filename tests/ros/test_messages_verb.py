@@ -91,10 +91,13 @@ def test_robot_poses_are_as_in_files(ask):
 def test_any_message_is_queued_and_taken_in_order(ask, tmp_path, monkeypatch):
     (tmp_path / "two.yaml").write_text("data: two")
     assert ask("push", "words", "{data: one}", "--type", "std_msgs/msg/String", "--by", "me")[0] == 0
-    assert ask("push", "words", "--file", str(tmp_path / "two.yaml"), "--type", "std_msgs/msg/String")[0] == 0
+    assert ask("push", "words", "--file", str(tmp_path / "two.yaml"))[0] == 0
     assert "words          2 in the queue" in ask("list", "words")[1]
     assert json.loads(ask("take", "words", "--json")[1])["provenance"] == "me"
     assert ask("take", "words")[1] == "data: two\n"
+    assert ask("push", "words", "{datum: x}")[0] != 0
+    assert ask("push", "words", "{data: three}")[0] == 0
+    assert ask("take", "words")[1] == "data: three\n"
     status, _, error = ask("take", "words")
     assert status != 0
     assert "its queue is empty" in error

@@ -101,6 +101,21 @@ def test_a_component_that_dies_in_the_middle_of_a_call_is_lost_at_once_with_its_
         ended(client.call(wish("die")))
 
 
+def test_a_component_that_dies_is_started_again_as_its_file_says(project, domain):
+    file = project / "components" / "odd" / "component.yaml"
+    file.write_text(file.read_text().replace("start:\n", "start:\n  restart: on_failure\n  restarts: 1\n"))
+    with start_components(project, ["odd"], domain) as components:
+        client, first = components.client("odd"), components.process("odd").pid
+        with pytest.raises(ServerLostError, match="ended with status 7; start 2 follows; its last output"):
+            ended(client.call(wish("die")))
+        assert ended(client.call(wish("outcome2"))) == {"outcome": 2}
+        assert components.process("odd").pid != first
+        with pytest.raises(ServerLostError, match="ended with status 7 after 2 starts"):
+            ended(client.call(wish("die")))
+        with pytest.raises(ServerLostError, match="after 2 starts"):
+            ended(client.call(wish("outcome2")))
+
+
 def test_a_component_that_is_killed_in_the_middle_of_a_call_is_lost_at_once(odd):
     operation = odd.client("odd").call(wish("hang"))
     (server,) = set(session_of(odd.process("odd").pid)) - {odd.process("odd").pid}

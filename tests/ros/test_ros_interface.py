@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shutil
 import threading
 import time
@@ -26,7 +27,8 @@ from grip_bt.ros.frames import FrameError, FrameTree
 from grip_bt.ros.interface import BadRequestError, RosInterface, Synchroniser
 from grip_bt.ros.sensing import mounted_frames, open_sensors
 from grip_bt.ros.transforms import Transforms
-from grip_bt.task.catalog.ros_config import SensorConfig
+from grip_bt.task.catalog.component_file import Qos
+from grip_bt.task.catalog.ros_config import RosRobotConfig, SensorConfig
 
 CAMERA = {
     "topics": {
@@ -50,6 +52,13 @@ def camera(start_server):
 
 
 # --- without ROS ---
+
+
+def test_a_robot_of_a_namespace_has_all_of_it_there():
+    arm = {"controllers": {"arm": {"trajectory": "/left/arm_controller/follow_joint_trajectory"}}}
+    robot = RosRobotConfig.model_validate({"namespace": "/left", "joint_states": "/joints", **arm})
+    assert (robot.joint_states, robot.controller_manager) == ("/joints", "/left/controller_manager")
+    assert robot.move_group.namespace == "/left"
 
 
 def test_messages_of_one_moment_are_found_among_others():
@@ -137,6 +146,36 @@ def test_a_topic_of_two_types_asks_which(bus, door, domain):
 def _two_types_are_refused(door):
     with pytest.raises(ServerTimeOutError, match="std_msgs/msg/Bool and as std_msgs/msg/String; specify the message"):
         ended(door.next("/both", "", "Any", 1.0))
+
+
+@ros
+def test_what_came_before_is_heard_where_the_quality_of_service_says_so(bus, domain):
+    text = "std_msgs/msg/String"
+    with Bus("early", domain_id=domain) as early:
+        early.qos["/kept"] = Qos(durability="transient_local", depth=3)
+        for word in "abcd":
+            ended(RosInterface(early).publish("/kept", text, {"data": word}, 0, PATIENCE))
+        heard = []
+        bus.reader(text, "/kept").listen(lambda received: heard.append(received.message.data))
+        until(lambda: heard == ["b", "c", "d"], "they aren't heard")
+
+
+@ros
+def test_qualities_of_service_that_exclude_each_other_are_told_at_both_ends(bus, door, domain):
+    text = "std_msgs/msg/String"
+    bus.qos["/lossy"] = Qos(reliability="reliable")
+    heard = door.next("/lossy", text, "Any", math.inf)
+    with Bus("other", domain_id=domain) as other:
+        other.qos["/lossy"] = Qos(reliability="best_effort")
+        misfit = r"`qos`: ERROR: Best effort publisher and reliable subscription"
+        other.writer(text, "/lossy").advertise()
+        until(lambda: "Best" in bus.ask(bus.reader(text, "/lossy").publishers), "the publisher isn't seen")
+        assert re.search(
+            f"1 publisher, but no message arrived; {misfit}", bus.ask(bus.reader(text, "/lossy").publishers)
+        )
+        with pytest.raises(ServerTimeOutError, match=f"0 subscribers .*{misfit}"):
+            ended(RosInterface(other).publish("/lossy", text, {"data": "x"}, 1, 0.2))
+    heard.cancel()
 
 
 @ros

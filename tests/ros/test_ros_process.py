@@ -12,6 +12,7 @@ from patience import PATIENCE, until
 from ros_bench import gone, kill, session_of
 
 from grip_bt.ros.process import Process, child_environment
+from grip_bt.task.catalog.component_file import Start
 
 STUBBORN = """
 import os, signal, subprocess, sys, time
@@ -37,6 +38,28 @@ def test_its_end_is_told_with_status_and_last_words(tmp_path):
     assert (process.returncode, process.alive) == (5, False)
     assert process.log_tail(1) == "two"
     assert "ended with status 5" in process.describe_end()
+
+
+def test_it_is_started_again_as_often_as_it_may(tmp_path):
+    again = Start(command=["x"], restart="on_failure", restarts=2, restart_delay=0)
+    command = [sys.executable, "-u", "-c", "import os; print(os.getpid()); raise SystemExit(5)"]
+    process = Process("it", command, tmp_path, child_environment(), tmp_path / "it.log", again)
+    told, broke = threading.Event(), []
+    process.when_broken(lambda: broke.append(process.describe_end()))
+    process.when_ended(told.set)
+    assert told.wait(PATIENCE)
+    assert "with status 5; start 3 follows" in broke[-1]
+    assert "with status 5 after 3 starts" in process.describe_end()
+    assert len({*process.log_tail().splitlines()}) == 3
+
+
+def test_what_waits_to_be_started_again_stops_when_it_is_asked_to(tmp_path):
+    again = Start(command=["x"], restart="always", restart_delay=1000)
+    process = Process("it", [sys.executable, "-c", ""], tmp_path, child_environment(), tmp_path / "it.log", again)
+    until(lambda: process.returncode == 0)
+    assert process.alive
+    process.stop()
+    assert not process.alive
 
 
 def test_a_process_killed_by_a_signal_has_the_status_of_a_shell(tmp_path):

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import ByteSize, StringConstraints
 
 from grip_bt.base.errors import GripError, NotWritableError, ProjectExistsError
-from grip_bt.base.yaml.models import Settings, read_model
+from grip_bt.base.yaml.models import RosName, Settings, read_model
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
-from grip_bt.task.catalog.component_file import ProcessConfig
+from grip_bt.task.catalog.component_file import ProcessConfig, Qos
 from grip_bt.task.catalog.ros_config import RosRobotConfig, SensorConfig
 
 if TYPE_CHECKING:
@@ -81,6 +81,8 @@ class ProjectFile(Settings):
     """Task -> what the referee of a simulated world has to find when it has succeeded, such as `placed == objects`."""
     journal_limit: ByteSize = ByteSize(20 * 10**9)
     """How large the journal may become, such as `500 MB`: beyond that the oldest runs that have ended are removed."""
+    qos: dict[RosName, Qos] = {}
+    """Topic -> its quality of service, wherever it is named: sensors, cameras, controllers, nodes of `ros/`."""
     simulated_time: bool = False
     """Whether the time of a run is that of the topic `/clock`, from a simulator that isn't ours."""
 

@@ -176,9 +176,9 @@ def injected(resources: Resources, runner: Runner, tell: Callable[[str, str], No
 
     def happened(name: str, words: str, over: bool) -> None:
         fault = faults[name]
-        pid = servers.get(fault.of) if fault.fault.startswith("component_") else None
-        if pid is not None:
-            _signal(pid, fault.fault, over)
+        server = servers.get(fault.of) if fault.fault.startswith("component_") else None
+        if server is not None:
+            _signal(server(), fault.fault, over)
             hanging.add(fault.of)
         tell("fault", f"{name}: {words}")
 
@@ -198,7 +198,7 @@ def injected(resources: Resources, runner: Runner, tell: Callable[[str, str], No
         yield
     finally:
         for component in hanging:  # what hangs doesn't end when it is asked to
-            _signal(servers[component], "component_hang", over=True)
+            _signal(servers[component](), "component_hang", over=True)
 
 
 def _signal(pid: int, kind: str, over: bool) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
+from functools import partial
 
 from grip_bt.app.project.folder import ArmConfig, Project
 from grip_bt.app.project.needs import robot_frames
@@ -61,19 +62,20 @@ def open_ros(
     folders = project.component_folders()
     files = [load_component(folders[name]) for name in names if name in folders]
     fresh = any(file.start is not None and file.start.fresh for file in files)
-    made_of = object() if fresh else (project.folder, files, own)
+    made_of = object() if fresh else (project.folder, files, own, project.file.qos)
     name = f"components {' '.join(names)}"
     domain, components = opening.equipment.get(name, made_of, start, lambda kept: kept[1].settled)
+    components.bus.qos.update(project.file.qos)
     clock = simulated_clock(components.bus, stack) if project.file.simulated_time else None
     now = time.time if clock is None else clock.now
     ros = RosInterface(components.bus, Transforms(components.bus, frames), now)
     built = (
         f"interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else "interfaces in cache"
     )
-    servers: dict[str, int] = {}
+    servers: dict[str, Callable[[], int]] = {}
     for name in names:
         process = components.process(name)
-        servers |= {name: process.pid} if process is not None else {}
+        servers |= {name: partial(getattr, process, "pid")} if process is not None else {}
         where = f"ROS 2 server in process {process.pid}" if process is not None else "ROS 2 server already running"
         progress("component", f"{name}: {where}, ready after {components.ready_seconds:.1f} s; {built}")
     opened = open_sensors({name: project.file.sensors[name] for name in sensors}, ros, project.folder, domain)

@@ -59,6 +59,7 @@ def open_controllers(opening: Opening, stack: ExitStack) -> Resources:
             raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
     robot = PlannedRobot.begin(opening)
     bus = stack.enter_context(Bus("grip_robot", watched=True))
+    bus.qos.update(file.qos)
     watchdog = bus.watchdog
     assert watchdog is not None, "it is open, and watched"
     planner = with_move_group(opening, robot.description, robot.process, stack, bus)

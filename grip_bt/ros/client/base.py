@@ -13,6 +13,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from grip_bt.base.failures import CanceledError, IncompatibleServerError, ServerLostError, ServerTimeOutError
 from grip_bt.base.operation import Operation
+from grip_bt.task.catalog.component_file import Qos
 
 from .connection import Connection
 from .graph import SETTLE, STALE, TRUST, check_servers, endpoints_of, gids_of, instead
@@ -52,6 +53,8 @@ class Client(ABC, Generic[R]):
 
     _made: Any = None
     """What rclpy gave for it, when it is connected."""
+    qos = Qos()
+    """Of a topic: what is asked for."""
 
     def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         self.type, self.name, self._bus = type_, name, bus
@@ -115,6 +118,7 @@ class ServedClient(Client[R]):
         self._settled: tuple[frozenset[bytes], float] = (frozenset(), 0.0)
         self._server_ended: str | None = None
         self._supervised = False
+        self._gone: frozenset[bytes] = frozenset()
 
     # --- from any thread ---
 
@@ -128,19 +132,24 @@ class ServedClient(Client[R]):
         """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
         return self._begin(self._new(None, *self._times(timeout + 1.0, timeout)))
 
-    def server_ended(self, reason: str) -> None:
-        """Say that the server's process is known to have ended: all fails at once, now and until it is back."""
+    def server_ended(self, reason: str, again: bool = False) -> Operation[None]:
+        """Say that the server's process is known to have ended: all fails at once, now and until it is back.
+
+        Args:
+            again: it is being started again: only what it was sent fails; what isn't sent yet waits for it.
+        """
 
         def end() -> None:
-            self._server_ended = reason
+            self._server_ended = None if again else reason
+            self._gone |= gids_of(self._look())  # DDS knows a dead server until its lease is over
             self._found = frozenset()
             for request in list(self._requests):
                 if request.servers:
                     self._server_of_ended(request, reason)
-                else:
+                elif not again:
                     self._finish(request, self._lost(reason))
 
-        self._bus.post(end)
+        return self._bus.post(end)
 
     def server_started(self) -> None:
         """Say that the server's process was started by us, so that `server_ended` will tell its end."""
@@ -241,7 +250,7 @@ class ServedClient(Client[R]):
 
     def _look(self) -> list[TopicEndpointInfo]:
         taking = f"{self.name}/_action/send_goal" if hasattr(self.type, "Impl") else self.name
-        return endpoints_of(self._bus.node, taking)
+        return [end for end in endpoints_of(self._bus.node, taking) if bytes(end.endpoint_gid) not in self._gone]
 
     @abstractmethod
     def _connected(self) -> bool:

@@ -10,6 +10,7 @@ from typing import Any, TypeVar, cast
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.operation import Operation
+from grip_bt.task.catalog.component_file import Qos
 
 from .action import ActionClient
 from .base import Client
@@ -22,10 +23,15 @@ C = TypeVar("C", ServiceClient, ActionClient, TopicReader, TopicWriter)
 
 
 class Bus(Connection):
-    """A ROS node with its thread, and one client of each name; see `Connection` for its arguments."""
+    """A ROS node with its thread, and one client of each name; see `Connection` for its arguments.
+
+    Attributes:
+        qos: topic -> the quality of service of its reader or writer, to be put in before that is made.
+    """
 
     def __init__(self, name: str = "grip", domain_id: int | None = None, watched: bool = False):
         self._clients: dict[tuple[type, str], ServiceClient | ActionClient | TopicReader | TopicWriter] = {}
+        self.qos: dict[str, Qos] = {}
         super().__init__(name, domain_id, watched)
 
     def service(self, interface: str | InterfaceType, name: str) -> ServiceClient:
@@ -71,6 +77,7 @@ class Bus(Connection):
                 client.type = type_
             elif client is None or (other and client.idle):
                 client = self._clients[kind, name] = kind(self, type_, name)
+                client.qos = self.qos.get(name, client.qos)
             elif other:
                 raise GripError(f"{name} is used as {type_name(client.type)} already, not as {type_name(type_)}")
         return cast(C, client)

@@ -8,22 +8,21 @@ who publishes what when nothing comes.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy, qos_check_compatible
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import CanceledError, ServerTimeOutError
 from grip_bt.base.operation import Operation
+from grip_bt.task.catalog.component_file import Qos
 
 from .base import Client, Request
 from .connection import Connection
 from .graph import instead
 from .types import InterfaceType, Message, load_type, type_name
 
-DEPTH = 10
-"""Messages kept for a reader that is late."""
 RELOOK = 0.5
 """How often a reader in use looks whether its publishers changed [s]."""
 
@@ -52,7 +51,7 @@ class TopicReader(Client[Request]):
     def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         super().__init__(bus, type_, name)
         self.latest: Received | None = None
-        self._offered: tuple[bool, bool] | None = None
+        self._profile: QoSProfile | None = None
         self._listeners: list[Callable[[Received], None]] = []
         self._looked = float("-inf")
         self._listening = False
@@ -126,7 +125,8 @@ class TopicReader(Client[Request]):
             said = f"it is published as {', '.join(wrong)}, not as {wanted}; name that type, or another topic"
             return said + instead(self._bus.node, self.name, wanted, "published")
         others = f"; others publish it as {', '.join(wrong)}" if wrong else ""
-        return f"{right} publisher{'s' if right > 1 else ''}, but no message arrived{others}"
+        why = _misfit((p.qos_profile, self._profile or p.qos_profile) for p in found if p.topic_type == wanted)
+        return f"{right} publisher{'s' if right > 1 else ''}, but no message arrived{why}{others}"
 
     def _look(self, now: float) -> None:
         """Subscribe with what the publishers offer; again when that changes."""
@@ -137,17 +137,12 @@ class TopicReader(Client[Request]):
         mine = [p.qos_profile for p in found if p.topic_type == type_name(self.type)]
         reliable = bool(mine) and all(q.reliability == ReliabilityPolicy.RELIABLE for q in mine)
         lasting = bool(mine) and all(q.durability == DurabilityPolicy.TRANSIENT_LOCAL for q in mine)
-        if not mine or (self._made is not None and self._offered == (reliable, lasting)):
+        profile = _profile(self.qos, reliable, lasting)
+        if not mine or (self._made is not None and self._profile == profile):
             return  # also for a publisher of another type: a subscription would spoil the name for this process
         if self._made is not None:
             self._bus.node.destroy_subscription(self._made)
-        self._offered = (reliable, lasting)
-        profile = QoSProfile(
-            depth=DEPTH,
-            history=HistoryPolicy.KEEP_LAST,
-            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-            durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
-        )
+        self._profile = profile
         self._made = self._bus.node.create_subscription(self.type, self.name, self._received, profile)
 
     def _adopt(self, published: set[str]) -> bool:
@@ -189,7 +184,7 @@ class TopicWriter(Client[_Message]):
 
     def _make(self) -> None:
         if self._made is None:
-            self._made = self._bus.node.create_publisher(self.type, self.name, DEPTH)
+            self._made = self._bus.node.create_publisher(self.type, self.name, _profile(self.qos, True, False))
 
     def publish(self, message: Message, subscribers: int = 0, timeout: float | None = None) -> Operation[None]:
         """Publish a message, when at least `subscribers` listen.
@@ -233,4 +228,24 @@ class TopicWriter(Client[_Message]):
         wanted, found = type_name(self.type), self._bus.node.get_subscriptions_info_by_topic(self.name)
         wrong = sorted({end.topic_type for end in found if end.topic_type != wanted})
         said = f"; it is subscribed to as {', '.join(wrong)}, not as {wanted}" if wrong else ""
+        ours = _profile(self.qos, True, False)
+        said += _misfit((ours, end.qos_profile) for end in found if end.topic_type == wanted)
         return said + instead(self._bus.node, self.name, wanted, "heard")
+
+
+def _profile(qos: Qos, reliable: bool, lasting: bool) -> QoSProfile:
+    """Return what is asked for, where nothing is asked for what is given."""
+    reliable = qos.reliability == "reliable" if qos.reliability else reliable
+    lasting = qos.durability == "transient_local" if qos.durability else lasting
+    return QoSProfile(
+        depth=qos.depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
+    )
+
+
+def _misfit(pairs: Iterable[tuple[QoSProfile, QoSProfile]]) -> str:
+    """Say why publishers and subscribers of these qualities of service never connect; empty where they do."""
+    checked = (qos_check_compatible(*pair) for pair in pairs)
+    said = [reason.strip("; ") for found, reason in checked if found == QoSCompatibility.ERROR]
+    return f"; `qos`: {said[0]}" if said else ""

@@ -107,6 +107,7 @@ class MessageServer:
             self._message(name, entry, data=False) for name, store in chosen.items() for entry in store.entries()
         ]
         response.stores = list(self._raw)
+        response.types = [self._types.get(name, "") for name in self._raw]
         response.queued = [store.queued for store in self._raw.values()]
 
     def _on_delete(self, request: Message, response: Message) -> None:

@@ -148,6 +148,14 @@ class PortType(Settings):
         return self
 
 
+Restart = Literal["never", "on_failure", "always"]
+
+
+def wants_restart(restart: Restart, failed: bool) -> bool:
+    """Tell whether what ended by itself is started again, if it wasn't too often."""
+    return restart == "always" or (restart == "on_failure" and failed)
+
+
 class Start(Settings):
     """How to start the software: a command, an executable of a ROS package, or a launch file.
 
@@ -168,10 +176,18 @@ class Start(Settings):
     """Arguments of the launch file, by name."""
     env: FrozenDict[str, str] = FrozenDict()
     """More environment variables; a search path, such as `PYTHONPATH`, comes before what is there."""
+    namespace: RosName | None = None
+    """Namespace of its nodes: `--ros-args -r __ns:=NAMESPACE` behind the command or the arguments."""
     run: bool = True
     """Whether we start it at all; `false` keeps what is written here for later."""
     fresh: bool = False
     """Whether a campaign starts it anew for every trial, because what it was asked before changes its answers."""
+    restart: Restart = "never"
+    """When it is started again after it has ended by itself."""
+    restarts: int = Field(default=3, ge=0)
+    """How often, before it is given up."""
+    restart_delay: float = Field(default=1.0, ge=0)
+    """How long to wait before [s]."""
 
     @field_validator("command", mode="before")
     @classmethod
@@ -195,7 +211,20 @@ class Start(Settings):
             raise ValueError("`args` are those of an `executable`; a command has its own, a launch file `arguments`")
         if self.arguments and not self.launch:
             raise ValueError("`arguments` are those of a `launch` file")
+        if self.namespace and self.launch:
+            raise ValueError("a `launch` file gets its namespace by one of its own `arguments`")
         return self
+
+
+class Qos(Settings):
+    """Quality of service of a topic, where it isn't to be what its publishers offer, or ROS's default."""
+
+    reliability: Literal["reliable", "best_effort"] | None = None
+    """Whether messages that were lost are sent again."""
+    durability: Literal["volatile", "transient_local"] | None = None
+    """Whether subscribers that come later get the last messages, too: `transient_local`."""
+    depth: int = Field(default=10, ge=1)
+    """Messages kept for somebody who is late."""
 
 
 class Timeouts(Settings):
@@ -207,9 +236,6 @@ class Timeouts(Settings):
     """For the server to appear, after its start or before a call [s]."""
     cancel: float = Field(default=3.0, gt=0)
     """For an action to end after it was asked to stop [s]."""
-
-
-Restart = Literal["never", "on_failure", "always"]
 
 
 class Ready(Settings):
@@ -253,12 +279,6 @@ class ProcessConfig(Start):
     """Working directory, below the project; the project's folder by default."""
     ready: Ready | None = None
     """Without it, it is ready as soon as it runs."""
-    restart: Restart = "never"
-    """When it is started again after it has ended by itself."""
-    restarts: int = Field(default=3, ge=0)
-    """How often, before it is given up."""
-    restart_delay: float = Field(default=1.0, ge=0)
-    """How long to wait before [s]."""
     required: bool = True
     """Whether all others are ended when it is given up."""
 
@@ -275,6 +295,8 @@ class ComponentFile(Settings):
     """Name under which it is served, such as `/propose_grasps`; of a message, the topic."""
     use: Literal["receive", "publish"] = "receive"
     """Of a topic: whether the node waits for the next message or publishes one."""
+    qos: Qos | None = None
+    """Of a topic: its quality of service."""
     outcomes: tuple[Label, ...] = Field(min_length=1)
     """Names of the outcome numbers 0, 1, 2 ...; or how many there are, which then are named `outcome_0` and so on; or
     label -> rule, for an interface that doesn't keep the contract."""
@@ -349,6 +371,8 @@ class ComponentFile(Settings):
             raise ValueError(f"meaning of undeclared outcomes: {', '.join(unknown)} (available: {there_are})")
         if self.kind != "msg" and self.use != "receive":
             raise ValueError("use: only a topic, whose interface is a message, can be published")
+        if self.kind != "msg" and self.qos is not None:
+            raise ValueError("qos: it is a topic's; services and actions are reliable, which is ROS's default")
         if self.kind == "msg" and not self.rules:
             raise ValueError(
                 "the interface is a message, which numbers no outcome: give outcomes by rule, such as "

@@ -242,6 +242,8 @@ class CameraTopics(Settings):
 class RosRobotConfig(Settings):
     """The robot of `grip run --robot ros`."""
 
+    namespace: RosName | None = None
+    """Where joint states, controller manager and move_group are, unless their own keys say otherwise."""
     joint_states: RosName = "/joint_states"
     """Topic on which all joints are measured."""
     controller_manager: RosName = "/controller_manager"
@@ -256,6 +258,16 @@ class RosRobotConfig(Settings):
     """How long the robot may take to be there [s]."""
     stale: float = Field(default=1.0, gt=0)
     """A joint that wasn't heard of for so long [s] isn't known any more, and a motion that needs it ends."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_namespace(cls, data: object) -> object:
+        if not isinstance(data, dict) or not data.get("namespace"):
+            return data
+        inside = {key: f"{data['namespace']}/{key}" for key in ("joint_states", "controller_manager")}
+        planner = data.get("move_group", {})
+        planner = {"namespace": data["namespace"], **planner} if isinstance(planner, dict) else planner
+        return {**inside, **data, "move_group": planner}
 
     @field_validator("controllers")
     @classmethod

@@ -69,10 +69,9 @@ class RosInspector:
         ours = self._server is not None
         answer = self._done(self._messages.listing())
         rows = entry_rows(answer)
-        types = {row["store"]: row["type"] for row in rows} | STORES
         stores = [
-            {"name": name, "type": types.get(name, ""), "queued": queued}
-            for name, queued in zip(answer.stores, answer.queued, strict=True)
+            {"name": name, "type": STORES.get(name, type_), "queued": queued}
+            for name, type_, queued in zip(answer.stores, answer.types, answer.queued, strict=True)
         ]
         return {"served": True, "ours": ours, "stores": stores, "messages": rows, "domain": self.domain}
 

@@ -10,6 +10,7 @@ from importlib import import_module
 import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.utilities import remove_ros_args
 
 
 def answer(request, response):
@@ -23,7 +24,7 @@ def answer(request, response):
 
 rclpy.init()
 node = Node("test_server")
-words = sys.argv[1:]
+words = remove_ros_args(sys.argv)[1:]
 for type_name, name in zip(words[::2], words[1::2], strict=True):
     package, cls = type_name.split("/")
     name, _, qos = name.partition(":")
