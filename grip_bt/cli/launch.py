@@ -18,8 +18,8 @@ from grip_bt.base.errors import GripError
 from grip_bt.cli import NODE_ERROR, STOPPED
 from grip_bt.cli.parser import add_no_code, number
 from grip_bt.cli.terminal import complain, on_stop, progress, tell
-from grip_bt.ros.process import child_environment, launch_command
-from grip_bt.ros.process_group import Member, ProcessGroup
+from grip_bt.ros.process_group import Member, ProcessGroup, member_of
+from grip_bt.task.catalog.component_file import ProcessConfig
 
 SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml", ".launch", ".xml", ".yaml", ".yml", ".py")
 
@@ -57,7 +57,7 @@ def run_launch(args: argparse.Namespace) -> int:
 def _members(args: argparse.Namespace) -> tuple[Project, list[Member]]:
     project = find_project(args.project)
     if args.what and args.what[0].endswith(SUFFIXES):
-        file, found = Path(args.what[0]), {}
+        file, found = Path(args.what[0]), dict[str, str]()
         if not file.is_file():
             raise GripError(f"{file}: there is no such file")
         for word in args.what[1:]:
@@ -65,7 +65,7 @@ def _members(args: argparse.Namespace) -> tuple[Project, list[Member]]:
             if not sign or not name:
                 raise GripError(f"{word!r} isn't an argument of a launch file: NAME:=VALUE")
             found[name] = value
-        return project, [Member(file.name, launch_command(file, found), Path.cwd(), child_environment(()))]
+        return project, [member_of(file.name, ProcessConfig(launch=str(file), arguments=found), Path.cwd())]
     return project, project_members(project, args.what)
 
 

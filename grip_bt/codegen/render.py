@@ -95,12 +95,6 @@ CODES: dict[str, tuple[str, ...]] = {
     "msg": ("timed_out", "bad_reply"),
 }
 """Why a node of each kind may fail."""
-_VERBS = {
-    ("srv", "receive"): "Calls",
-    ("action", "receive"): "Sends a goal to",
-    ("msg", "receive"): "Waits for a message on",
-    ("msg", "publish"): "Publishes a message on",
-}
 
 
 def class_name(component: ComponentFile) -> str:
@@ -129,7 +123,7 @@ def component_manifest(component: ComponentFile, interface: InterfaceSpec) -> Ma
         outputs[FEEDBACK] = _feedback(component, interface, tuple(outcomes))
     return Manifest(
         id=f"component/{component.name}",
-        doc=component.doc or interface.doc or f"{_VERBS[component.kind, component.use]} {component.server}.",
+        doc=component.doc or interface.doc or f"{_words(component)['calls']} {component.server}.",
         implementation=f"leaf.py:{class_name(component)}",
         inputs=FrozenDict(inputs),
         outputs=FrozenDict(outputs),

@@ -26,7 +26,7 @@ from grip_bt.ros.interfaces.packages import (
     launch_file_in,
     launch_file_of,
 )
-from grip_bt.task.catalog.component_file import ComponentFile, Start, wants_restart
+from grip_bt.task.catalog.component_file import ComponentFile, Start
 
 _PATIENCE = 3.5
 """How long the process reaper may take to end the group [s]."""
@@ -131,9 +131,8 @@ class Process:
     def _watch(self) -> None:
         status = self._popen.wait()
         self._end_group()
-        while (again := self._again) is not None and self._starts <= again.restarts:
-            if self._stopping.is_set() or not wants_restart(again.restart, status != 0):
-                break
+        again = self._again
+        while again is not None and again.again(status != 0, self._starts) and not self._stopping.is_set():
             for callback in self._broke:
                 callback()
             self._stopping.wait(again.restart_delay)
@@ -199,20 +198,15 @@ def command_of(start: Start, folder: Path) -> list[str]:
     """
     if start.launch is not None:
         file = launch_file_of(start.package, start.launch) if start.package else launch_file_in(folder, start.launch)
-        return launch_command(file, start.arguments)
+        ros2 = shutil.which("ros2")
+        if ros2 is None:
+            how = "source a ROS that has it (source /opt/ros/jazzy/setup.bash), or say what to start under `processes:`"
+            raise PackageError(f"{file}: launch files are run by `ros2 launch`, which isn't on the path; {how}")
+        return [ros2, "launch", str(file), *(f"{name}:={text_of(value)}" for name, value in start.arguments.items())]
     scope = ("--ros-args", "-r", f"__ns:={start.namespace}") if start.namespace else ()
     if start.executable is not None:
         return [str(executable_of(str(start.package), start.executable)), *start.args, *scope]
     return [word.replace("{python}", sys.executable) for word in (*start.command, *scope)]
-
-
-def launch_command(file: Path, arguments: Mapping[str, object]) -> list[str]:
-    """Return what runs a launch file with its arguments; PackageError where ROS's own `ros2 launch` isn't here."""
-    ros2 = shutil.which("ros2")
-    if ros2 is None:
-        how = "source a ROS that has it (source /opt/ros/jazzy/setup.bash), or say what to start under `processes:`"
-        raise PackageError(f"{file}: launch files are run by `ros2 launch`, which isn't on the path; {how}")
-    return [ros2, "launch", str(file), *(f"{name}:={text_of(value)}" for name, value in arguments.items())]
 
 
 def text_of(value: object) -> str:

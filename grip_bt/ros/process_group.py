@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TextIO
 
 from grip_bt.base.errors import GripError
-from grip_bt.task.catalog.component_file import Ready, Restart, wants_restart
+from grip_bt.task.catalog.component_file import ProcessConfig, Ready
 
-from .process import Process
+from .process import Process, child_environment, command_of
 
 if TYPE_CHECKING:
     from .client.connection import Connection
@@ -36,22 +36,20 @@ class Member:
     Attributes:
         name: unique in the group.
         env: all of its environment.
-        ready: the sign that it does its work; None: as soon as it runs.
-        restart: when it is started again after it ended by itself.
-        restarts: how often, at most.
-        restart_delay: how long to wait before [s].
-        required: whether the group ends when it is given up.
+        config: when it is ready, and what becomes of it when it ends by itself.
     """
 
     name: str
     command: Sequence[str]
     folder: Path
     env: Mapping[str, str]
-    ready: Ready | None = None
-    restart: Restart = "never"
-    restarts: int = 3
-    restart_delay: float = 1.0
-    required: bool = True
+    config: ProcessConfig
+
+
+def member_of(name: str, config: ProcessConfig, folder: Path) -> Member:
+    """Return a process in a folder. Raises PackageError: its package, program or launch file isn't here."""
+    command, environment = command_of(config, folder), child_environment(more=config.env)
+    return Member(name, command, folder / (config.folder or "."), environment, config)
 
 
 @dataclass
@@ -135,7 +133,7 @@ class ProcessGroup:
                 for running in self._all.values():
                     self._look(running)
                 failed = [r for r in self._all.values() if r.state == "failed"]
-                if given_up := [r for r in failed if r.member.required]:
+                if given_up := [r for r in failed if r.member.config.required]:
                     return given_up[0].why
                 if all(r.state in ("ended", "failed") for r in self._all.values()):
                     return failed[0].why if failed else ""
@@ -184,14 +182,14 @@ class ProcessGroup:
         running.copied = 0
         running.began = running.seen = time.monotonic()
         self._set_state(running, "starting", f"process {running.process.pid}, log {log}")
-        if member.ready is None:
+        if member.config.ready is None:
             self._set_state(running, "ready", "")
 
     def _until_ready(self, running: _Running) -> None:
-        ready = running.member.ready
+        ready = running.member.config.ready
         while running.state == "starting" and not self._stopping.wait(LOOK / 2):
             self._look(running)
-            if running.failed and running.member.required:
+            if running.failed and running.member.config.required:
                 raise StartError(running.why)
             if ready is not None and running.state == "starting" and time.monotonic() > running.began + ready.within:
                 tail = running.process.log_tail() if running.process else ""
@@ -231,7 +229,7 @@ class ProcessGroup:
         self._output.flush()
 
     def _is_ready(self, running: _Running) -> bool:
-        ready = running.member.ready
+        ready = running.member.config.ready
         if ready is None:
             return True
         if ready.log is not None:
@@ -240,7 +238,7 @@ class ProcessGroup:
         return self._watch.sees(ready)
 
     def _check_health(self, running: _Running, now: float) -> None:
-        ready = running.member.ready
+        ready = running.member.config.ready
         if ready is None or ready.log is not None:
             return
         if self._watch.sees(ready):
@@ -249,17 +247,17 @@ class ProcessGroup:
                 self._set_state(running, "ready", "again")
         elif running.state == "ready" and now > running.seen + SILENCE:
             self._set_state(running, "silent", f"{ready} disappeared; the process is still running")
-            if running.member.restart != "never" and running.process is not None:
+            if running.member.config.restart != "never" and running.process is not None:
                 running.process.ask_to_stop()
 
     def _ended(self, running: _Running, process: Process) -> None:
-        member, status = running.member, process.returncode
-        wanted = wants_restart(member.restart, status != 0 or running.state == "silent")
-        if wanted and running.starts <= member.restarts and not self._stopping.is_set():
-            running.again_at = time.monotonic() + member.restart_delay
+        config, status = running.member.config, process.returncode
+        failed = status != 0 or running.state == "silent"
+        if config.again(failed, running.starts) and not self._stopping.is_set():
+            running.again_at = time.monotonic() + config.restart_delay
             self._set_state(running, "restarting", f"ended with status {status}; start {running.starts + 1}")
-        elif status == 0 and not wanted and running.state != "starting":
-            running.why = f"{member.name}: ended"
+        elif status == 0 and not config.again(failed, 0) and running.state != "starting":
+            running.why = f"{running.member.name}: ended"
             self._set_state(running, "ended", "with status 0")
         else:
             times = f" after {running.starts} starts" if running.starts > 1 else ""

@@ -17,7 +17,7 @@ from ros_bench import ended
 from grip_bt.ros.client.types import load_type
 from grip_bt.ros.process import child_environment
 from grip_bt.ros.process_group import GraphWatch, Member, ProcessGroup, StartError
-from grip_bt.task.catalog.component_file import Ready
+from grip_bt.task.catalog.component_file import ProcessConfig, Ready
 
 MARK = "GRIP_TEST_GROUP"
 
@@ -37,7 +37,7 @@ def ahead(monkeypatch) -> Ahead:
 
 def member(tmp_path, name: str, code: str, **more) -> Member:
     env = child_environment() | {MARK: str(tmp_path)}
-    return Member(name, [sys.executable, "-u", "-c", code], tmp_path, env, **more)
+    return Member(name, [sys.executable, "-u", "-c", code], tmp_path, env, ProcessConfig(command=["it"], **more))
 
 
 def marked(mark: str) -> list[int]:

@@ -12,8 +12,8 @@ from jinja2 import Environment
 
 from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.ros.process import child_environment, command_of, text_of
-from grip_bt.ros.process_group import Member
+from grip_bt.ros.process import text_of
+from grip_bt.ros.process_group import Member, member_of
 from grip_bt.task.catalog.component_file import Start, load_component
 
 
@@ -27,13 +27,8 @@ def project_members(project: Project, names: Sequence[str] = ()) -> list[Member]
     for name in names:
         if name not in declared:
             raise UnknownNameError("process", name, declared, str(project.folder / "grip.yaml"))
-    members = []
-    for name in names or [name for name, config in declared.items() if config.run]:
-        config, folder = declared[name], project.folder
-        environment = child_environment(more=config.env)
-        again = (config.ready, config.restart, config.restarts, config.restart_delay, config.required)
-        members.append(Member(name, command_of(config, folder), folder / (config.folder or "."), environment, *again))
-    return members
+    names = names or [name for name, config in declared.items() if config.run]
+    return [member_of(name, declared[name], project.folder) for name in names]
 
 
 def launch_file_of(project: Project, beside: Path) -> str:

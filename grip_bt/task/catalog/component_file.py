@@ -151,11 +151,6 @@ class PortType(Settings):
 Restart = Literal["never", "on_failure", "always"]
 
 
-def wants_restart(restart: Restart, failed: bool) -> bool:
-    """Tell whether what ended by itself is started again, if it wasn't too often."""
-    return restart == "always" or (restart == "on_failure" and failed)
-
-
 class Start(Settings):
     """How to start the software: a command, an executable of a ROS package, or a launch file.
 
@@ -188,6 +183,10 @@ class Start(Settings):
     """How often, before it is given up."""
     restart_delay: float = Field(default=1.0, ge=0)
     """How long to wait before [s]."""
+
+    def again(self, failed: bool, starts: int) -> bool:
+        """Tell whether what ended by itself is started again, after so many starts."""
+        return starts <= self.restarts and (self.restart == "always" or (self.restart == "on_failure" and failed))
 
     @field_validator("command", mode="before")
     @classmethod
