@@ -16,6 +16,7 @@ from grip_bt.base.yaml.models import read_model
 from grip_bt.commanders.description.files import note
 
 from .model import ObjectFile
+from .solids import extent_of
 
 if TYPE_CHECKING:
     from .body import ObjectModel
@@ -57,6 +58,23 @@ def load_object(path: Path) -> ObjectModel:
     return _load(path, _written(path), tuple(meshes))
 
 
+def measures_of(path: Path) -> tuple[float, float, float, float]:
+    """Return radius and height [m], mass [kg] and friction as `load_object` does; of pieces without their hulls."""
+    note(path)
+    file = _read(path, _written(path))
+    if file.solids:
+        radius, height = _extent(path, _written(path))
+    else:
+        model = load_object(path)
+        radius, height = model.radius, model.size[2]
+    return radius, height, file.mass, file.friction
+
+
+@lru_cache(maxsize=256)
+def _extent(path: Path, written: int) -> tuple[float, float]:
+    return extent_of(_read(path, written), path)
+
+
 @lru_cache(maxsize=256)
 def _read(path: Path, written: int) -> ObjectFile:
     return read_model(path, ObjectFile)
@@ -74,4 +92,4 @@ def _written(path: Path) -> int:
     return path.stat().st_mtime_ns if path.is_file() else 0
 
 
-__all__ = ["BUILTIN", "ObjectFile", "load_object", "object_file", "object_files"]
+__all__ = ["BUILTIN", "ObjectFile", "load_object", "measures_of", "object_file", "object_files"]

@@ -20,7 +20,7 @@ from grip_bt.base.values.pose import angles_of
 from grip_bt.base.yaml.models import read_model
 from grip_bt.commanders.description.files import note
 from grip_sim.articulated.model import ArticulatedConfig
-from grip_sim.objects import file_named, files_by_name, load_object, object_file
+from grip_sim.objects import file_named, files_by_name, measures_of, object_file
 from grip_sim.specs import BoxSpec, CameraSpec, Colour, MeshSpec, ObjectSpec, RegionSpec, WorldSpec, open_box, upright
 
 from .model import CameraConfig, FixtureConfig, ObjectConfig, ShapeConfig, Span, WorldFile
@@ -167,10 +167,9 @@ def _made(config: ShapeConfig, rng: np.random.Generator | None, models: Models) 
     """
     if config.model is not None:
         path = models(config.model)
-        model, scale = load_object(path), _within(rng, config.scale)
-        radius, height = model.radius * scale, model.size[2] * scale
-        made = ObjectSpec(path.stem, "model", radius, height, ORIGIN, model=str(path), scale=scale)
-        made = replace(made, mass=model.mass, friction=model.friction)
+        (radius, height, mass, friction), scale = measures_of(path), _within(rng, config.scale)
+        made = ObjectSpec(path.stem, "model", radius * scale, height * scale, ORIGIN, model=str(path), scale=scale)
+        made = replace(made, mass=mass, friction=friction)
     else:
         assert config.shape is not None, "the file was checked"
         assert config.radius is not None, "the file was checked"
