@@ -462,5 +462,18 @@ def test_the_settings_of_a_variant_are_in_the_results(project, tmp_path):
         begin(tmp_path / "r.jsonl", head_of(campaign), resume=False)
 
 
+def test_variants_that_come_later_are_in_the_results_and_in_their_report(project, tmp_path):
+    head = head_of(read_campaign(project / "campaigns/who.yaml"))
+    first = {**head, "variants": {"tree": head["variants"]["tree"]}}
+    began = begin(tmp_path / "r.jsonl", first, resume=False)
+    began.add({"trial": "tree@0", "variant": "tree", "seed": 0, "status": "success", "success": True, "wall": 1.0})
+    with (tmp_path / "r.jsonl").open("a") as file:
+        file.write('{"trial": "tree@1", "cut o')
+    again = begin(tmp_path / "r.jsonl", head, resume=True)
+    kept = read(tmp_path / "r.jsonl")
+    assert again.head["variants"] == kept.head["variants"] == {**first["variants"], **head["variants"]}
+    assert [row["trial"] for row in kept.rows] == ["tree@0"]
+
+
 def test_the_examples_campaign_fits_its_task():
     check(read_campaign(Path(__file__).parents[2] / "examples/campaigns/two_forms.yaml"))

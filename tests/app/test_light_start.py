@@ -15,7 +15,7 @@ HEAVY = {"ompl", "toppra", "scipy", "coal", "sapien", "pytracik"}
     [
         ("grip_bt.commanders.planning.service", HEAVY - {"coal", "pytracik"}),
         ("grip_bt.app.runs.process, grip_bt.app.runs.motion_record", HEAVY),
-        ("grip_sim.worlds as worlds; worlds.load_world('bench', 0)", HEAVY | {"trimesh"}),
+        ("grip_sim.worlds as worlds; worlds.load_world('bottle_bench', 0)", HEAVY | {"trimesh"}),
     ],
 )
 def test_heavy_libraries_are_left_to_those_who_need_them(modules, spared):

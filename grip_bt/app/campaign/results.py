@@ -13,6 +13,7 @@ from typing import Any, TypedDict
 
 from grip_bt.app.campaign.file import Plain
 from grip_bt.base.errors import CampaignError, NotWritableError
+from grip_bt.base.files import replace_text
 
 _FORMAT = 1
 
@@ -104,9 +105,13 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
             text = f"{variant!r} isn't what it was when these trials ran (changed: {', '.join(changed)})"
             advice = "results of different settings aren't mixed: start a new file with -o FILE"
             raise CampaignError(str(path), f"{text}; {advice}")
-    written = path.read_bytes()
-    if not written.endswith(b"\n"):  # what a crash has left of a line
-        path.write_bytes(written[: written.rfind(b"\n") + 1])
+    added = {name: one for name, one in head["variants"].items() if name not in results.head["variants"]}
+    results.head = {**results.head, "variants": {**results.head["variants"], **added}}
+    written = path.read_text()
+    _, _, rows = written.partition("\n")
+    whole = json.dumps(results.head, default=str) + "\n" + rows[: rows.rfind("\n") + 1]  # a crash cuts off a line
+    if whole != written:
+        replace_text(path, whole)
     return results
 
 

@@ -11,17 +11,32 @@ from grip_bt.task import dumps, loads
 from grip_bt.task.canonical import data_of, file_data
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import CHILDREN
-from grip_bt.task.edit import AnyCommand, Convert, Group, Inline, Patch, apply, path_after, title_of
+from grip_bt.task.edit import (
+    AnyCommand,
+    ChangeKind,
+    Convert,
+    Disconnect,
+    Group,
+    Inline,
+    Patch,
+    apply,
+    path_after,
+    title_of,
+)
 from grip_bt.task.edit.documents import differences
 from grip_bt.task.edit.editing import Draft
 from grip_bt.task.edit.steps import Place, Put, Rekey, Shift, Step
-from grip_bt.task.model import Task, join, walk
+from grip_bt.task.model import KINDS, Leaf, StateMachine, Task, children_of, join, walk
 
 from .result import Restructured
+
+STANDARD = frozenset(("success", "failure"))
 
 
 def expanded(command: AnyCommand, task: Task, catalog: Catalog) -> AnyCommand:
     """Return a command in which every `convert` and `inline` is the edit that it comes to, for whoever applies it.
+
+    A `change_kind` gives leaves edges for the outcomes that they have.
 
     Raises:
         EditError: what is to be converted has no equal in the other form, the task isn't right, or a subtask can't be
@@ -31,13 +46,30 @@ def expanded(command: AnyCommand, task: Task, catalog: Catalog) -> AnyCommand:
         return inlined(command, task, catalog)
     if isinstance(command, Convert):
         return _conversion(command, task, catalog)
+    if isinstance(command, ChangeKind):
+        return _with_own_edges(command, task, catalog)
     if isinstance(command, Group):
         parts: list[AnyCommand] = []
-        for part in command.commands:
-            parts.append(expanded(part, task, catalog))
+        for part in command.commands:  # a group's own commands say which edges go
+            parts.append(part if isinstance(part, ChangeKind) else expanded(part, task, catalog))
             task = apply(task, parts[-1]).task
         return command.model_copy(update={"commands": tuple(parts)})
     return command
+
+
+def _with_own_edges(command: ChangeKind, task: Task, catalog: Catalog) -> AnyCommand:
+    """Return a change of kind that gives leaves no edge for an outcome that they never end with."""
+    before = dict(walk(task.root)).get(command.path)
+    kind = KINDS.get(command.kind)
+    if kind is None or not kind.by_edges or before is None or isinstance(before, StateMachine):
+        return command
+    gone = [
+        Disconnect(path=join(command.path, name), outcome=outcome)
+        for name, child in children_of(before).items()
+        if isinstance(child, Leaf) and child.node in catalog
+        for outcome in sorted(STANDARD - catalog.get(child.node).outcomes.keys())
+    ]
+    return Group(title=title_of(command), commands=(command, *gone)) if gone else command
 
 
 def _conversion(command: Convert, task: Task, catalog: Catalog) -> Patch:

@@ -13,7 +13,8 @@ from restructure_tasks import CATALOG
 from grip_bt.base.errors import EditError, InvalidTaskError
 from grip_bt.compilers.restructure import expanded, to_state_machines, to_trees
 from grip_bt.task import Task, dumps, loads, read_text, walk
-from grip_bt.task.edit import Convert, Group, Rename, apply, apply_to_document, command_of, path_after
+from grip_bt.task.catalog.manifest import Manifest
+from grip_bt.task.edit import ChangeKind, Convert, Group, Rename, apply, apply_to_document, command_of, path_after
 
 TEXT = """\
 grip: 1
@@ -55,6 +56,16 @@ def test_the_edit_gives_the_task_that_the_conversion_gives(make: Any, to: Any, c
         assert dumps(done.document.task) == dumps(wanted), f"seed {seed}"
         changed += 1
     assert changed > 2
+
+
+def test_a_change_of_kind_gives_leaves_edges_for_their_own_outcomes_only() -> None:
+    catalog = CATALOG.with_manifests(
+        [Manifest(id="test/sure", doc="", implementation="x:Y", outcomes={"success": "success"})]
+    )
+    task = loads(TEXT.replace("ready: {node: test/act}", "ready: {node: test/sure}"))
+    root = apply(task, expanded(ChangeKind(path="/", kind="state_machine"), task, catalog)).task.root
+    assert dict(root.children["ready"].on) == {"success": "pick"}
+    assert dict(root.children["pick"].on) == {"success": "put", "failure": "failure"}
 
 
 def test_only_what_was_asked_for_is_converted_and_comments_stay() -> None:
