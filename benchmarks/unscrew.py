@@ -1,6 +1,6 @@
 """Two arms unscrew a bottle: `examples/unscrew` on bottles that seeds draw, by the referee's word.
 
-    python benchmarks/unscrew.py --out rows.jsonl [--trials 20] [--first N]
+    python benchmarks/unscrew.py --seeds 0..19 -o rows.jsonl [--workers N]
     python benchmarks/unscrew.py --report rows.jsonl
 
 A seed draws where the bottle stands, how hard its thread goes and how far it has to be turned. The simulator and the
@@ -12,11 +12,11 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterable
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +24,8 @@ import numpy as np
 import yaml
 
 import grip_bt as grip
-from grip_bt.app.project.catalogue import catalogue_of
-from grip_bt.app.runs.execute import check_task
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.app.wiring.equipment import Equipment
-from grip_bt.app.wiring.open import open_resources
-from grip_bt.app.wiring.parts import Opening
-from grip_bt.compilers import to_tree
-from grip_bt.runtime import Runner
 from grip_sim.worlds import HERE as WORLDS
 
 PROJECT = Path(__file__).resolve().parents[1] / "examples" / "unscrew"
@@ -38,15 +33,19 @@ Row = dict[str, Any]
 
 
 class Watch(grip.Observer):
-    """Remembers the first node that failed, and what the referee has measured after each turn."""
+    """Remembers what failed first, how often an attempt began, and what the referee has measured after each turn."""
 
     def __init__(self, referee: Any):
-        self.first, self.after, self.pulls, self._referee = "", list[float](), list[float](), referee
+        self.first, self.attempts, self.after, self.pulls, self._referee = "", 0, list[float](), list[float](), referee
+
+    def entered(self, path: str) -> None:
+        """Count an attempt."""
+        self.attempts += path.endswith("attempt")
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        """Note a pull."""
-        if variable == "pull" and isinstance(value, float):
-            self.pulls.append(round(value, 3))
+        """Note a pull [N]."""
+        if variable == "pull" and path.endswith("/pull") and isinstance(value, float):
+            self.pulls.append(round(value, 2))
 
     def ended(self, path: str, outcome: str, failure: Any) -> None:
         """Note it."""
@@ -68,63 +67,78 @@ def trial(seed: int, folder: Path, equipment: Equipment) -> Row:
     bottle["screw_bottle"] |= {"friction": friction, "turns": turns}
     (folder / "worlds").mkdir(exist_ok=True)
     (folder / "worlds" / "bottle_bench.yaml").write_text(yaml.safe_dump(said))
-    project, document, _ = check_task(folder / "tasks" / "unscrew.yaml")
-    catalog = catalogue_of(project)
-    needs = {leaf.manifest.id for leaf in to_tree(document.task, catalog).leaves.values()}
-    with ExitStack() as stack:
-        parts = stack.enter_context(open_resources(Opening(project, seed, equipment=equipment), needs, "sim"))
-        watch = Watch(parts.world.referee)
-        runner = Runner(to_tree(document.task, catalog), parts.context())
-        runner.observe(watch)
-        result = runner.run()
-        runner.dismiss()
-        measures = {name: round(value, 4) for name, value in parts.world.referee.measures().items()}
-    row = {"seed": seed, "at": bottle["at"], "friction": friction, "needed": turns, "status": result.status}
-    row |= {
-        "stage": watch.first,
-        "message": str(result.failure or result.error or "")[:300],
-        "after": watch.after,
-        "pulls": watch.pulls,
-    }
+    with open_session(folder / "tasks" / "unscrew.yaml", RunOptions(seed=seed), equipment=equipment) as session:
+        referee = session.resources.referee
+        assert referee is not None, "a simulated run has one"
+        watch = Watch(referee)
+        session.runner.observe(watch)
+        result = session.runner.run()
+        measures = {name: round(value, 4) for name, value in referee.measures().items()}
+    row = {"seed": seed, "at": bottle["at"], "friction": friction, "needed": turns}
+    row |= {"status": result.status, "outcome": result.outcome, "attempts": watch.attempts, "stage": watch.first}
+    row |= {"message": str(result.failure or result.error or "")[:300], "after": watch.after, "pulls": watch.pulls}
     return {**row, **measures, "simulated": round(result.duration, 1), "wall": round(time.monotonic() - began, 1)}
 
 
 def report(rows: Iterable[Row]) -> None:
     """Print the table."""
-    rows = list(rows)
+    rows = sorted(rows, key=lambda row: row["seed"])
     columns = ("seed", "thread [N m]", "turns to go", "cap off", "turned", "turns of the hand", "bottle moved [mm]")
-    print("|", " | ".join((*columns, "twisted [deg]", "cap lifted [mm]", "failed")), "|")
-    print("|---" * 10 + "|")
+    print("|", " | ".join((*columns, "twisted [deg]", "cap lifted [mm]", "attempts", "ended", "failed first")), "|")
+    print("|---" * 12 + "|")
     for row in rows:
         slid, twisted, rise = row["bottle_slid"] * 1000, np.degrees(row["bottle_twisted"]), row["bottle_rise"] * 1000
         cells = [row["seed"], row["friction"], row["needed"], "yes" if row["bottle_off"] else "no"]
-        cells += [f"{row['bottle_turns']:.2f}", 3 * len(row["after"]), f"{slid:.1f}", f"{twisted:.1f}", f"{rise:.0f}"]
-        print("|", " | ".join(map(str, [*cells, row["stage"]])), "|")
+        cells += [f"{row['bottle_turns']:.2f}", len(row["after"]), f"{slid:.1f}", f"{twisted:.1f}", f"{rise:.0f}"]
+        print("|", " | ".join(map(str, [*cells, row["attempts"], row["outcome"] or row["status"], row["stage"]])), "|")
     off, kept = sum(row["bottle_off"] for row in rows), sum(row["bottle_rise"] > 0.03 for row in rows)
-    print(f"\n{off:.0f} of {len(rows)} caps off, {kept} lifted in the hand")
+    ended = sum(row["outcome"] == "opened" for row in rows)
+    print(f"\n{off:.0f} of {len(rows)} caps off, {kept} lifted in the hand, {ended} successes by the task's word")
+
+
+def seeds_of(text: str) -> list[int]:
+    """Return the seeds that `0..19` or `3,5,8` names."""
+    first, dots, last = text.partition("..")
+    return list(range(int(first), int(last) + 1)) if dots else [int(word) for word in text.split(",")]
+
+
+def read(file: Path) -> list[Row]:
+    """Return the rows of a file that may not be there yet."""
+    return [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
+
+
+def run(seeds: list[int], out: Path) -> None:
+    """Run trials and append their rows."""
+    with tempfile.TemporaryDirectory() as name, Equipment(lasting=True) as equipment:
+        folder = Path(name) / "unscrew"
+        shutil.copytree(PROJECT, folder, ignore=shutil.ignore_patterns(".grip"))
+        for seed in seeds:
+            row = json.dumps(trial(seed, folder, equipment))
+            with out.open("a") as file:
+                file.write(f"{row}\n")
 
 
 def main() -> int:
     """Run what is missing, and report."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--trials", type=int, default=20)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--out", type=Path)
-    parser.add_argument("--report", type=Path)
+    parser.add_argument("--seeds", type=seeds_of, default=seeds_of("0..19"), metavar="A..B|A,B")
+    parser.add_argument("-o", "--out", type=Path, metavar="FILE")
+    parser.add_argument("--workers", type=int, default=1, help="processes that share the seeds (default: 1)")
+    parser.add_argument("--report", type=Path, metavar="FILE")
     args = parser.parse_args()
     file = args.report or args.out
     if file is None:
-        parser.error("give --out FILE or --report FILE")
-    rows = [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
-    left = [seed for seed in range(args.first, args.first + args.trials) if seed not in {r["seed"] for r in rows}]
-    with tempfile.TemporaryDirectory() as name, Equipment(lasting=True) as equipment:
-        folder = Path(name) / "unscrew"
-        shutil.copytree(PROJECT, folder, ignore=shutil.ignore_patterns(".grip"))
-        for seed in [] if args.report else left:
-            rows.append(trial(seed, folder, equipment))
-            with file.open("a") as out:
-                print(json.dumps(rows[-1]), file=out)
-    report(rows)
+        parser.error("give -o FILE or --report FILE")
+    done = {row["seed"] for row in read(file)}
+    left = [] if args.report else [seed for seed in args.seeds if seed not in done]
+    if args.workers > 1:
+        parts = [",".join(map(str, part)) for k in range(args.workers) if (part := left[k :: args.workers])]
+        command = [sys.executable, __file__, "-o", str(file), "--seeds"]
+        for worker in [subprocess.Popen([*command, part], stdout=subprocess.DEVNULL) for part in parts]:
+            worker.wait()
+    elif left:
+        run(left, file)
+    report(read(file))
     return 0
 
 

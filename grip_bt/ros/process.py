@@ -26,10 +26,13 @@ from grip_bt.ros.interfaces.packages import (
     launch_file_in,
     launch_file_of,
 )
+from grip_bt.ros.plain_launch import program_of
 from grip_bt.task.catalog.component_file import ComponentFile, Start
 
 _PATIENCE = 3.5
 """How long the process reaper may take to end the group [s]."""
+PYTHON = "{python}"
+"""In a command, or an argument of a launch file: the Python that runs us, with ROS and the built interfaces."""
 _OURS = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "ROS_PYTHON_CHECK_FIELDS")
 
 
@@ -198,15 +201,15 @@ def command_of(start: Start, folder: Path) -> list[str]:
     """
     if start.launch is not None:
         file = launch_file_of(start.package, start.launch) if start.package else launch_file_in(folder, start.launch)
+        given = {name: text_of(value).replace(PYTHON, sys.executable) for name, value in start.arguments.items()}
         ros2 = shutil.which("ros2")
         if ros2 is None:
-            how = "source a ROS that has it (source /opt/ros/jazzy/setup.bash), or say what to start under `processes:`"
-            raise PackageError(f"{file}: launch files are run by `ros2 launch`, which isn't on the path; {how}")
-        return [ros2, "launch", str(file), *(f"{name}:={text_of(value)}" for name, value in start.arguments.items())]
+            return program_of(file, given)
+        return [ros2, "launch", str(file), *(f"{name}:={value}" for name, value in given.items())]
     scope = ("--ros-args", "-r", f"__ns:={start.namespace}") if start.namespace else ()
     if start.executable is not None:
         return [str(executable_of(str(start.package), start.executable)), *start.args, *scope]
-    return [word.replace("{python}", sys.executable) for word in (*start.command, *scope)]
+    return [word.replace(PYTHON, sys.executable) for word in (*start.command, *scope)]
 
 
 def text_of(value: object) -> str:
@@ -224,7 +227,7 @@ def start_process(
     """
     if start is None or not start.run:
         return None
-    ours = any("{python}" in word for word in start.command)
+    ours = any(PYTHON in word for word in (*start.command, *map(text_of, start.arguments.values())))
     env = child_environment(overlays if ours else (), domain_id, start.env)
     return Process(name, command_of(start, folder), folder, env, log, start)
 

@@ -1,7 +1,7 @@
-"""Nodes for `tasks/unscrew.yaml`: seeing a bottle's cap, holding the bottle, and turning the cap with three fingertips.
+"""Nodes for `tasks/unscrew.yaml`: seeing a bottle's cap, where hands stand, holding the bottle, driving the fingers.
 
-The fingertips stand on a circle around the cap, in the hand's grasp frame: the thumb on one side, two fingers on the
-other. They close on the rim, go around by 50 degrees, let go, and go back: a ratchet. The arm doesn't move meanwhile.
+How three fingertips turn a cap is for the hand's own controller to know, `components/finger_controller`: `unscrew/drive`
+carries what is measured to it and its targets to the hand.
 """
 
 from __future__ import annotations
@@ -9,49 +9,53 @@ from __future__ import annotations
 import numpy as np
 
 import grip_bt as grip
-from grip_bt.base.failures import NoGraspError
-from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
+from grip_bt.base.values import Grasp, PointCloud, Pose
 from grip_bt.base.values.pose import quaternion_of
 
 CENTRE = np.array([0.028, -0.025, 0.104])
 """Where the cap is in the grasp frame of an Allegro hand that turns it, the palm facing it [m]."""
-PLACES = {"index": -40.0, "middle": 40.0, "thumb": 180.0}
-"""Where fingertips are on the circle [degrees]."""
-TIP = 0.012
-"""Radius of a fingertip [m]."""
-WIDE = 0.042
-"""Radius of the circle of open fingertips [m]."""
-MORE = 0.006
-"""How much closer than the thumb, which reaches no further, two fingertips aim where they press [m]."""
 TOP = 0.008
 """Points that are at most so far below the highest one are of the cap [m]."""
+CAP = 0.015
+"""A bottle without its cap is lower by so much at least [m]."""
 
 
-@grip.leaf("unscrew/find_cap", outputs={"cap": Pose}, codes=("no_grasp",))
-def find_cap(cloud: PointCloud, *, x: list[float], y: list[float]) -> Pose:
-    """Return the middle of the top of the highest thing in a part of the table, x from - to and y from - to [m]."""
+@grip.leaf(
+    "unscrew/find_cap",
+    outputs={"cap": Pose, "highest": float},
+    outcomes={"success": "success", "failure": "failure"},
+    codes=("no_bottle", "no_cap"),
+)
+def find_cap(cloud: PointCloud, highest: float, *, x: list[float], y: list[float]) -> grip.End:
+    """Return the middle of the top of the highest thing in a part of the table, x from - to and y from - to [m].
+
+    Fails with `no_cap` where that is lower than what was seen before, `highest` [m]: the cap is off.
+    """
     points = cloud.points
     inside = (points[:, 0] > x[0]) & (points[:, 0] < x[1]) & (points[:, 1] > y[0]) & (points[:, 1] < y[1])
     points = points[inside & (points[:, 2] > 0.05)]
     if len(points) < 10:
-        raise NoGraspError(f"no bottle is seen between x {x} and y {y} [m]")
+        return grip.End("failure", code="no_bottle", message=f"no bottle is seen between x {x} and y {y} [m]")
     cap = points[points[:, 2] > np.percentile(points[:, 2], 98) - TOP]
-    x_middle, y_middle = (cap[:, :2].min(axis=0) + cap[:, :2].max(axis=0)) / 2
-    return Pose((x_middle, y_middle, float(np.median(cap[:, 2]))))
+    (x_middle, y_middle), top = (cap[:, :2].min(axis=0) + cap[:, :2].max(axis=0)) / 2, float(np.median(cap[:, 2]))
+    if top < highest - CAP:
+        lower = f"{1000 * (highest - top):.0f} mm lower than it was"
+        return grip.End("failure", code="no_cap", message=f"the bottle is {lower}: its cap is off")
+    return grip.End("success", cap=Pose((x_middle, y_middle, top)), highest=max(top, highest))
 
 
-@grip.leaf("unscrew/ways", outputs={"holding": list[Grasp], "turning": list[Grasp]}, quick=True)
+@grip.leaf("unscrew/ways", outputs={"bottle": Pose, "holding": list[Grasp], "turning": list[Grasp]}, quick=True)
 def ways(
-    cap: Pose, *, height: float = 0.05, below_top: float = 0.009, back: float = 0.12, lift: float = 0.06
-) -> dict[str, list[Grasp]]:
-    """Say how the two hands may stand, and that they come from `back` [m] away: the gripper around the bottle, level.
+    cap: Pose, *, height: float = 0.05, below_top: float = 0.006, back: float = 0.12, lift: float = 0.06
+) -> dict[str, Pose | list[Grasp]]:
+    """Say where the bottle's middle is, and how two hands may stand at it, coming from `back` [m] away.
 
-    The other palm faces down on the cap, its fingers turned about the vertical in one way or another; its lift ends
-    `lift` [m] higher.
+    The gripper goes around the bottle, level. The other palm faces down on the cap, its fingers turned about the
+    vertical in one way or another; its lift ends `lift` [m] higher.
     """
     x, y, top = cap.position
     holding = []
-    for turn in (0.0, 0.35, -0.35, 0.7, -0.7):
+    for turn in (0.0, 0.36, -0.36, 0.72, -0.72):
         pose = Pose((x, y, height), quaternion_of(0.0, np.pi / 2, turn))
         begin = pose.moved((-back * np.cos(turn), -back * np.sin(turn), 0.0))
         holding.append(Grasp(pose, begin, pose.moved((0, 0, 0.005)), quality=-abs(turn)))
@@ -62,71 +66,41 @@ def ways(
         place[:3, 3] = np.array([x, y, top - below_top]) - place[:3, :3] @ CENTRE
         pose = Pose.from_matrix(place)
         turning.append(Grasp(pose, pose.moved((0, 0, back)), pose.moved((0, 0, lift)), quality=-yaw))
-    return {"holding": holding, "turning": turning}
+    return {"bottle": Pose((x, y, 0.07)), "holding": holding, "turning": turning}
 
 
-def circle(angle: float, radius: float) -> dict[str, list[float]]:
-    """Return where fingertips are in the grasp frame [m], turned clockwise, as seen from above [degrees]."""
-    found = {}
-    for finger, place in PLACES.items():
-        turned = np.radians(place + angle)
-        away = radius - (MORE if finger != "thumb" and radius < WIDE else 0.0)
-        found[finger] = (CENTRE + [away * np.cos(turned), away * np.sin(turned), 0.0]).tolist()
-    return found
+@grip.leaf("unscrew/pull", outputs={"pull": float}, codes=("no_data",), quick=True)
+def pull(context: grip.Context, zero: list[float], *, arm: str) -> float:
+    """Return how much a wrist bears upwards [N], over what it bore before the fingers gripped, `zero`.
 
-
-@grip.leaf("unscrew/around_cap", codes=("no_ik", "aborted"))
-async def around_cap(context: grip.Context, *, hand: str, angle: float = 24.0, radius: float = 0.042) -> None:
-    """Have the fingertips stand around the cap, not touching it."""
-    await _go(context, hand, circle(angle, radius), 1.0)
-
-
-@grip.leaf("unscrew/ratchet", codes=("no_ik", "aborted"))
-async def ratchet(
-    context: grip.Context,
-    *,
-    hand: str,
-    times: int = 3,
-    angle: float = 24.0,
-    cap_radius: float = 0.02,
-    squeeze: float = 0.012,
-    seconds: float = 0.4,
-) -> None:
-    """Some times: close on the rim, go around by twice an angle [degrees], let go, and go back.
-
-    Args:
-        squeeze: how much closer than the rim the fingertips aim [m]: their joints' stiffness presses.
+    What holds a cap back pulls down. Fingers that have just closed press the cap down by some newtons, which the bottle
+    bears: what is measured then is no zero.
     """
-    pressed = cap_radius + TIP - squeeze
-    for _ in range(times):
-        for part, radius in ((1.0, pressed), (0.0, pressed), (-1.0, pressed), (-1.0, WIDE), (1.0, WIDE)):
-            await _go(context, hand, circle(part * angle, radius), seconds)
+    return float(context.arm(arm).wrench()[2] - zero[2])
 
 
-@grip.leaf("unscrew/pull", outputs={"pull": float}, codes=("no_ik", "no_plan", "path_invalid", "aborted", "no_data"))
-async def pull(
-    context: grip.Context, *, hand: str, arm: str, radius: float = 0.02, rise: float = 0.004, enough: float = 10.0
-) -> float:
-    """Take the cap, go up a little, and return how much more the wrist bears in z: its weight, or the thread's pull.
+@grip.leaf("unscrew/drive", codes=("out_of_reach", "server_lost", "timed_out", "bad_reply", "aborted"))
+class Drive(grip.AsyncLeaf):
+    """Let the hand's own controller carry out a command, cycle after cycle: measured joints in, joint targets out."""
 
-    A cap that is held back by `enough` [N] is let go, and the hand goes down again.
-    """
-    mover = context.arm(arm)
-    await _go(context, hand, circle(24.0, radius), 0.6)
-    there, before = mover.grasp_pose(), mover.wrench()
-    await mover.execute(await mover.plan_straight([there.moved((0.0, 0.0, rise))]))
-    bears = float((mover.wrench() - before)[2])
-    if bears < -enough:
-        await _go(context, hand, circle(24.0, WIDE), 0.6)
-        await mover.execute(await mover.plan_straight([there]))
-    return bears
+    hand: grip.Param[str]
+    command: grip.Param[str]
+    period: grip.Param[float] = 0.05
+    turned: grip.Output[float]
 
-
-async def _go(context: grip.Context, hand: str, tips: dict[str, list[float]], seconds: float) -> JointState:
-    fingers = context.hand(hand)
-    named = {name: place for name in fingers.fingers() for tip, place in tips.items() if name.endswith(tip)}
-    posture = await context.run_in_worker(lambda: fingers.fingertip_posture(named))
-    return await fingers.move(posture, seconds=seconds)
+    async def run(self) -> grip.End:
+        """Ask for targets once in a period [s], and have the fingers go there meanwhile."""
+        hand, controller = self.context.hand(self.hand), self.context.component("finger_controller")
+        going, done = 0, 1
+        reply, outcome = {}, going
+        while outcome == going:
+            reply = await controller.call({"input": hand.state(), "command": self.command, "period": self.period})
+            outcome = reply["outcome"]
+            hand.move(reply["returned_object"], seconds=self.period)
+            await self.sleep(self.period)
+        if outcome != done:
+            return grip.End("failure", code="out_of_reach", message="the fingertips can't go where the controller aims")
+        return grip.End("success", turned=reply["turned"])
 
 
 @grip.leaf("unscrew/hold", outcomes={"failure": "failure"}, codes=("no_contact", "lost_contact"))

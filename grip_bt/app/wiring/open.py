@@ -59,7 +59,7 @@ def open_resources(
             parts = backend_of(robot)(opening, stack)
         elif any(node.partition("/")[0] in _MOVING_NODES for node in needs):
             raise DocumentError(_NO_ROBOT, str(project.folder / "grip.yaml"))
-        names = sorted(node.partition("/")[2] for node in needs if node.startswith("component/"))
+        names = sorted(node.partition("/")[2] for node in {*needs, *asked} if node.startswith("component/"))
         sensors = [n for n, s in sorted(project.file.sensors.items()) if f"sensor/{n}" in needs and s.topics]
         asks_ros = bool(sensors) or any(node.startswith("ros/") for node in needs)
         if robot == "fake":
@@ -103,10 +103,11 @@ def _needs_robot(project: Project, node: str) -> bool:
 
 ROBOT = frozenset({"arm", "hand", "camera", "scene"})
 _ASKED = re.compile(r"\.(arm|hand|camera|scene|messages)\(")
+_COMPONENT = re.compile(r"""\.component\(["'](\w+)["']""")
 
 
 def _parts_asked_for(implementations: Iterable[str]) -> frozenset[str]:
-    """Return which parts the files of nodes ask their context for, such as `self.context.arm("")`.
+    """Return which parts the files of nodes ask their context for: `hand`, `component/NAME`.
 
     What a file does by way of another one isn't seen: a task that uses it needs a node that asks for the part itself.
     """
@@ -114,7 +115,8 @@ def _parts_asked_for(implementations: Iterable[str]) -> frozenset[str]:
     found: set[str] = set()
     for file in files:
         if file.is_file():
-            found.update(_ASKED.findall(file.read_text(encoding="utf-8", errors="replace")))
+            text = file.read_text(encoding="utf-8", errors="replace")
+            found.update(_ASKED.findall(text), (f"component/{name}" for name in _COMPONENT.findall(text)))
     return frozenset(found)
 
 
