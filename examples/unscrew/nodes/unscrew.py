@@ -12,7 +12,7 @@ import grip_bt as grip
 from grip_bt.base.values import Grasp, PointCloud, Pose
 from grip_bt.base.values.pose import quaternion_of
 
-CENTRE = np.array([0.028, -0.025, 0.104])
+CENTRE = np.array([0.038, -0.015, 0.0839])
 """Where the cap is in the grasp frame of an Allegro hand that turns it, the palm facing it [m]."""
 TOP = 0.008
 """Points that are at most so far below the highest one are of the cap [m]."""
@@ -97,6 +97,7 @@ class Drive(grip.AsyncLeaf):
             reply = await controller.call({"input": hand.state(), "command": self.command, "period": self.period})
             outcome = reply["outcome"]
             hand.move(reply["returned_object"], seconds=self.period)
+            self.tell(f"{self.command}: {np.degrees(reply['turned']):.0f} degrees")
             await self.sleep(self.period)
         if outcome != done:
             return grip.End("failure", code="out_of_reach", message="the fingertips can't go where the controller aims")

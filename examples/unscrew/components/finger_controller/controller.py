@@ -1,8 +1,9 @@
 """A low-level controller of an Allegro hand, which turns a cap with index finger, middle finger and thumb.
 
 Each call of `/finger_controller/control` is a cycle: measured joints come in, joint targets go out. The fingertips stand
-on a circle around the cap; they aim inside its rim where they press, so that the stiffness of their joints does. Plain
-rclpy; nothing here knows who calls.
+on a circle around the cap. Where they press, a joint's target is off from where the tip touches by what its servo, a
+spring, turns into its part of the force, J^T f: so they press inwards alone, and neither down nor aside, however stiff
+a finger is in one direction or another. Plain rclpy; nothing here knows who calls.
 """
 
 import numpy as np
@@ -15,10 +16,11 @@ from rclpy.node import Node
 
 GOING, DONE, OUT_OF_REACH = 0, 1, 2  # the outcomes, as component.yaml names them
 FINGERS = {INDEX: np.radians(-40), MIDDLE: np.radians(40), THUMB: np.pi}  # where they are on the circle
-CENTRE = np.array([0.1151, 0.025, 0.0])  # where the cap is, in the palm's frame [m]
+CENTRE = np.array([0.095, 0.015, 0.01])  # where the cap is, in the palm's frame [m]
 TIP = 0.012  # radius of a fingertip [m]
 CLEAR = 0.01  # how far from the rim open fingertips stay [m]
-MORE = 0.006  # how much closer than the thumb, which reaches no further, two fingertips aim where they press [m]
+SHARES = {INDEX: 0.5 / np.cos(np.radians(40)), MIDDLE: 0.5 / np.cos(np.radians(40)), THUMB: 1.0}  # of the thumb's force
+REACHED = 0.002  # a tip that can't come closer than this is out of reach [m]
 FASTEST = 2.0  # of a joint's target [rad/s]
 
 
@@ -27,12 +29,14 @@ class FingerController(Node):
 
     def __init__(self):
         super().__init__("finger_controller")
-        given = {"cap_radius": 0.02, "stroke": 48.0, "squeeze": 0.012}
+        given = {"cap_radius": 0.02, "stroke": 48.0, "force": 8.0, "stiffness": 6.0}
         any_number = ParameterDescriptor(dynamic_typing=True)  # 48 is as good as 48.0
-        radius, stroke, squeeze = (self.declare_parameter(n, value, any_number).value for n, value in given.items())
-        self.wide, self.pressed, self.half = radius + TIP + CLEAR, radius + TIP - squeeze, np.radians(stroke) / 2
-        self.at = self.half, self.wide  # angle and radius that are aimed at
-        self.doing, self.parts, self.time, self.targets, self.began = "", [], 0.0, {}, None
+        radius, stroke, force, stiff = (
+            self.declare_parameter(n, value, any_number).value for n, value in given.items()
+        )
+        self.rim, self.half, self.force, self.stiffness = radius + TIP, np.radians(stroke) / 2, force, stiff
+        self.at = self.half, self.rim + CLEAR, 0.0  # angle and radius of the tips, and the thumb's force
+        self.doing, self.parts, self.targets, self.began = "", [], {}, None
         self.create_service(Control, "/finger_controller/control", self.cycle)
 
     def cycle(self, request, response):
@@ -40,15 +44,14 @@ class FingerController(Node):
         names, measured = self.joints(request.input)
         if request.command != self.doing:
             self.begin(request.command, measured)
-        self.time += request.period
         going = self.advance(request.period)
         response.returned_object.name = [name for finger in FINGERS for name in names[finger]]
         response.returned_object.position = [float(q) for finger in FINGERS for q in self.targets[finger]]
         if self.began is not None:
             response.turned = self.angle(measured) - self.began
-        elif self.at[1] == self.pressed:
+        elif self.at[2] == self.force:
             self.began = self.angle(measured)
-        response.outcome = GOING if going else DONE if self.reached() else OUT_OF_REACH
+        response.outcome = GOING if going else DONE if self.off < REACHED else OUT_OF_REACH
         if not going:
             self.doing = ""
         return response
@@ -64,13 +67,18 @@ class FingerController(Node):
         return names, measured
 
     def begin(self, command, measured):
-        """Plan a command: parts with a duration [s], and the angle and radius at their ends."""
-        angle, _ = self.at
+        """Plan a command: parts with a duration [s], and the angle, radius and force at their ends."""
+        angle, wide, grip = self.at[0], self.rim + CLEAR, (self.rim, self.force)
         parts = {
-            "release": [(0.3, angle, self.wide), (0.5, self.half, self.wide)],
-            "turn": [(0.4, angle, self.pressed), (0.9, -self.half, self.pressed), (0.2, -self.half, self.pressed)],
+            "release": [(0.3, angle, wide, 0.0), (0.5, self.half, wide, 0.0)],
+            "turn": [
+                (0.3, angle, self.rim, 0.0),
+                (0.2, angle, *grip),
+                (0.9, -self.half, *grip),
+                (0.2, -self.half, *grip),
+            ],
         }
-        self.doing, self.parts, self.time, self.began = command, parts[command], 0.0, None
+        self.doing, self.parts, self.began = command, parts[command], None
         self.targets = self.targets or measured
         self.get_logger().info(f"{command}, from {np.degrees(angle):.0f} degrees")
 
@@ -81,30 +89,26 @@ class FingerController(Node):
         self.at = tuple(now + (then - now) * share for now, then in zip(self.at, goal, strict=True))
         self.parts[0] = (duration - period, *goal)
         most = FASTEST * period
-        for finger, aimed in self.aims().items():
-            there = finger.towards(aimed)
-            self.targets[finger] = self.targets[finger] + np.clip(there - self.targets[finger], -most, most)
-        if duration <= period + 1e-9 and self.off() < 1e-3 or duration < -1.0:
+        aims = self.aims()
+        for finger, aim in aims.items():
+            self.targets[finger] = self.targets[finger] + np.clip(aim - self.targets[finger], -most, most)
+        behind = max(np.abs(aim - self.targets[finger]).max() for finger, aim in aims.items())
+        if duration <= period + 1e-9 and behind < 1e-3:
             self.parts.pop(0)
         return bool(self.parts)
 
     def aims(self):
-        """Return where the tips are to be."""
-        angle, radius = self.at
-        inside = MORE * (self.wide - radius) / (self.wide - self.pressed)
-        aims = {}
+        """Return where each finger's joints are to be."""
+        angle, radius, force = self.at
+        aims, self.off = {}, 0.0
         for finger, place in FINGERS.items():
-            away = radius - (0.0 if finger is THUMB else inside)
-            aims[finger] = CENTRE + away * np.array([0.0, -np.sin(place + angle), np.cos(place + angle)])
+            outwards = np.array([0.0, -np.sin(place + angle), np.cos(place + angle)])
+            goal = CENTRE + radius * outwards
+            joints = finger.towards(goal)
+            tip, jacobian = finger.tip(joints)
+            self.off = max(self.off, np.linalg.norm(tip - goal))
+            aims[finger] = joints - jacobian.T @ (SHARES[finger] * force * outwards) / self.stiffness
         return aims
-
-    def off(self):
-        """Return how far the targets are from where the tips are to be [m]."""
-        return max(np.linalg.norm(finger.tip(self.targets[finger])[0] - aim) for finger, aim in self.aims().items())
-
-    def reached(self):
-        """Tell whether the targets are where the tips are to be."""
-        return self.off() < 2e-3
 
     def angle(self, measured):
         """Return how far the tips are around the circle, on the average [rad], counter-clockwise from above."""
