@@ -1,7 +1,7 @@
 """Nodes for `tasks/unscrew.yaml`: seeing a bottle's cap, where hands stand, holding the bottle, driving the fingers.
 
-How three fingertips turn a cap is for the hand's own controller to know, `components/finger_controller`: `unscrew/drive`
-carries what is measured to it and its targets to the hand.
+How three fingertips turn a cap is for the hand's own controller to know, `components/finger_controller`:
+`unscrew/drive` carries what is measured to it and its targets to the hand.
 """
 
 from __future__ import annotations
