@@ -20,7 +20,6 @@ from grip_bt.base.failures import ExpectedError, IncompatibleServerError
 from grip_bt.base.operation import Operation
 from grip_bt.ros import process_reaper
 from grip_bt.ros.interfaces.packages import (
-    PackageError,
     child_paths,
     executable_of,
     launch_file_in,

@@ -125,13 +125,16 @@ def reads(reader: Reader, page: str) -> None:
 @pytest.mark.ros
 @pytest.mark.sim
 @pytest.mark.slow
-def test_a_heap_is_explored_as_its_page_says(tmp_path, domain, request):
-    pytest.importorskip("small_gicp")
+@pytest.mark.parametrize(
+    ("example", "page", "needs"), [("explore", "exploring", "small_gicp"), ("unscrew", "unscrewing", "rclpy")]
+)
+def test_an_example_does_what_its_page_says(tmp_path, domain, request, example, page, needs):
+    pytest.importorskip(needs)
     left_out = shutil.ignore_patterns(".grip", "__pycache__")
-    shutil.copytree(ROOT / "examples" / "explore", tmp_path / "work" / "explore", ignore=left_out)
-    reader = Reader(tmp_path / "work" / "explore", domain)
+    shutil.copytree(ROOT / "examples" / example, tmp_path / "work" / example, ignore=left_out)
+    reader = Reader(tmp_path / "work" / example, domain)
     request.addfinalizer(reader.leaves)
-    reads(reader, "../exploring")
+    reads(reader, f"../{page}")
 
 
 def test_every_page_is_one_of_the_course():

@@ -12,6 +12,7 @@ from ros_bench import DATA, ended, gone
 from grip_bt.base.failures import ServerLostError
 from grip_bt.ros.components import start_components
 from grip_bt.ros.interfaces.packages import PackageError, executable_of, launch_file_of, share_of
+from grip_bt.ros.plain_launch import program_of
 
 TEXT = """
 name: trigger
@@ -79,6 +80,47 @@ def test_a_launch_file_is_started_and_all_of_it_ends_with_the_component(componen
         assert ended(components.client("trigger").call({}))["success"] is True
         pid = components.process("trigger").pid
     assert gone(pid)
+
+
+PLAIN = """<launch>
+  <arg name="python"/> <arg name="name" default="/elsewhere"/>
+  <executable cmd="$(var python) '$(dirname)/serve.py' std_srvs/Trigger $(var name)"/>
+</launch>"""
+
+
+@pytest.mark.ros
+def test_a_launch_file_of_one_program_needs_none_of_ros_tools(component, monkeypatch, domain):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    (component.home / "serve.py").symlink_to(DATA / "servers.py")
+    (component.home / "up.launch.xml").write_text(PLAIN)
+    with component('{launch: up.launch.xml, arguments: {python: "{python}", name: /trigger}}', domain) as components:
+        assert ended(components.client("trigger").call({}))["success"] is True
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (PLAIN, "its argument 'python' has no value; give one under `arguments:`"),
+        (
+            "<launch><executable cmd='a'/><executable cmd='b'/></launch>",
+            "run by `ros2 launch`, which isn't on the path",
+        ),
+        ("<launch><group><executable cmd='a'/></group></launch>", "source a ROS that has it"),
+        ("<launch/>", "or say what to start by `command:`"),
+    ],
+)
+def test_what_only_ros_can_launch_is_told(tmp_path, text, said):
+    file = tmp_path / "up.launch.xml"
+    file.write_text(text)
+    with pytest.raises(PackageError, match=said):
+        program_of(file, {})
+
+
+def test_values_of_a_launch_file_are_one_word_each(tmp_path):
+    file = tmp_path / "up.launch.xml"
+    file.write_text(PLAIN)
+    words = program_of(file, {"python": "/my python", "name": "$(var python) b"})
+    assert words == ["/my python", f"{tmp_path}/serve.py", "std_srvs/Trigger", "$(var python) b"]
 
 
 @pytest.mark.ros

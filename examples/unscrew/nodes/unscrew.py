@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 import grip_bt as grip
-from grip_bt.base.values import Grasp, PointCloud, Pose
+from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
 from grip_bt.base.values.pose import quaternion_of
 
 CENTRE = np.array([0.038, -0.015, 0.0839])
@@ -89,14 +89,16 @@ class Drive(grip.AsyncLeaf):
     turned: grip.Output[float]
 
     async def run(self) -> grip.End:
-        """Ask for targets once in a period [s], and have the fingers go there meanwhile."""
+        """Ask for targets once in a period [s], and have the fingers go there meanwhile; other joints aren't ours."""
         hand, controller = self.context.hand(self.hand), self.context.component("finger_controller")
         going, done = 0, 1
         reply, outcome = {}, going
         while outcome == going:
-            reply = await controller.call({"input": hand.state(), "command": self.command, "period": self.period})
-            outcome = reply["outcome"]
-            hand.move(reply["returned_object"], seconds=self.period)
+            measured = hand.state()
+            reply = await controller.call({"input": measured, "command": self.command, "period": self.period})
+            outcome, targets = reply["outcome"], reply["returned_object"].as_mapping()
+            ours = {name: position for name, position in targets.items() if name in measured.names}
+            hand.move(JointState.from_mapping(ours), seconds=self.period)
             self.tell(f"{self.command}: {np.degrees(reply['turned']):.0f} degrees")
             await self.sleep(self.period)
         if outcome != done:

@@ -168,7 +168,7 @@ class Start(Settings):
     launch: str | None = None
     """A launch file: in the component's folder, or in the package's `launch/`."""
     arguments: FrozenDict[str, str | bool | int | float] = FrozenDict()
-    """Arguments of the launch file, by name."""
+    """Arguments of the launch file, by name; `{python}` in one is the Python that runs GRIP."""
     env: FrozenDict[str, str] = FrozenDict()
     """More environment variables; a search path, such as `PYTHONPATH`, comes before what is there."""
     namespace: RosName | None = None
