@@ -10,7 +10,7 @@ from pathlib import Path
 from grip_bt.base.xml import parse_xml
 from grip_bt.ros.interfaces.packages import PackageError
 
-_PLACE = re.compile(r"\$\((var|dirname) ?(\w*)\)")
+_VARIABLE, _PLACE = re.compile(r"\$\(var +(\w+)\)"), re.compile(r"\$\((\w+)\)")
 
 
 def program_of(file: Path, given: Mapping[str, str]) -> list[str]:
@@ -28,6 +28,6 @@ def program_of(file: Path, given: Mapping[str, str]) -> list[str]:
     known = {each.get("name", ""): each.get("default") for each in elements if each.tag == "arg"} | dict(given)
     if lacking := sorted(name for name, value in known.items() if value is None):
         raise PackageError(f"{file}: its argument {lacking[0]!r} has no value; give one under `arguments:`")
-    values = {"dirname": str(file.parent), **{f"var{name}": str(value) for name, value in known.items()}}
-    words = shlex.split(programs[0].get("cmd", ""))
-    return [_PLACE.sub(lambda at: values.get(at[1] + at[2], at[0]), word) for word in words]
+    values = {"dirname": str(file.parent), **{f"var_{name}": str(value) for name, value in known.items()}}
+    words = shlex.split(_VARIABLE.sub(r"$(var_\1)", programs[0].get("cmd", "")))
+    return [_PLACE.sub(lambda at: values.get(at[1], at[0]), word) for word in words]
