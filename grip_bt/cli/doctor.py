@@ -15,6 +15,7 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Literal
 
 from grip_bt.base.errors import libraries_of
@@ -24,7 +25,8 @@ from grip_bt.ros.environment import environment
 from grip_sim.cameras import render_support
 
 _APT = "apt-get install "
-_INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
+_CLONE = Path(__file__).parents[2].joinpath("Makefile").is_file()
+_INSTALL = f"{'make demo (sets up .venv), or: ' if _CLONE else ''}pip install 'grip-bt[{{extra}}]'"
 
 
 @dataclass(frozen=True)

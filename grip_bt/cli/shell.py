@@ -123,7 +123,7 @@ def run_verb(arguments: Sequence[str] | None) -> int:
 
 def _done(arguments: Sequence[str] | None) -> int:
     try:
-        words = sys.argv[1:] if arguments is None else arguments
+        words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
         args = make_parser(words).parse_args(words)
     except SystemExit:
         sys.stdout.flush()  # the help, which argparse has printed

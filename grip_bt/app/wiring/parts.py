@@ -59,6 +59,7 @@ def load_part(module: str, what: str, extra: str) -> Any:
         return import_module(f"{__package__}.{module}")
     except ImportError as error:
         how = libraries_of(str(error)) or f"pip install 'grip-bt[{extra}]'"
+        how += ", or do without: --robot fake" if extra == "sim" else ""
         raise MissingPartError(f"{what} ({error})", how) from None
 
 
