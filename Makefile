@@ -19,7 +19,7 @@ help: ## show this list
 $(STAMP): requirements/lock.txt requirements/build.txt pyproject.toml
 	@PYTHON="$${PYTHON:-python3}" sh tools/ensure_system.sh
 	@python=$$(sh tools/find_python.sh) || exit 1; \
-	echo "Setting up $(VENV) with $$($$python --version) (about a minute, 1.6 GB) ..."; \
+	echo "Setting up $(VENV) with $$($$python --version) (about a minute, 1.8 GB) ..."; \
 	$$python -m venv $(VENV)
 	@$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps --use-pep517 \
 	    -r requirements/lock.txt -r requirements/build.txt 2> >(grep -v '^WARNING: Location' >&2)
