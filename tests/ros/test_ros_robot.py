@@ -106,7 +106,7 @@ def test_a_project_without_controllers_is_told_how_to_name_them(tmp_path):
     command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 1
-    assert "Fix: name them in grip.yaml: `ros: {controllers:" in done.stderr
+    assert "name the controller of each arm and hand in grip.yaml: `ros: {controllers: {" in done.stderr
 
 
 def test_an_arm_without_a_controller_is_named(tmp_path):

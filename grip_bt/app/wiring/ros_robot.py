@@ -49,8 +49,9 @@ def open_controllers(opening: Opening, stack: ExitStack) -> Resources:
     project, file, progress = opening.project, opening.project.file, opening.progress
     settings = file.ros
     if settings is None:
-        example = "`ros: {controllers: {ARM: {trajectory: /CONTROLLER/follow_joint_trajectory}}}`"
-        raise MissingPartError("the controllers of a real robot", f"name them in grip.yaml: {example}")
+        each = ", ".join(f"{name}: {{trajectory: /CONTROLLER/follow_joint_trajectory}}" for name in file.arms)
+        how = f"name the controller of each arm and hand in grip.yaml: `ros: {{controllers: {{{each}}}}}`"
+        raise MissingPartError("--robot ros", how)
     # Arms that join others move by the controllers of those.
     alone = [name for name, arm in file.arms.items() if not arm.arms]
     groups = {name: file.arms[name].group for name in alone} | {n: hand.group for n, hand in file.hands.items()}
