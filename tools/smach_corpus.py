@@ -13,7 +13,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from grip_bt.formats.smach import ImportedFile, Recorder, import_file
+from grip_bt.formats.smach import ImportedFile, import_files
 
 _WIDTHS = "{:<44}{:>6}{:>9}{:>12}{:>7}{:>9}{:>8}{:>7}"
 
@@ -30,12 +30,8 @@ def main() -> None:
     causes: Counter[str] = Counter()
     places: dict[str, str] = {}
     for folder in args.folders:
-        begun, read = time.monotonic(), []
-        if args.preview:
-            read = [import_file(file, folder) for file in sorted(folder.rglob("*.py"))]
-        else:
-            with Recorder() as recorder:
-                read = [import_file(file, folder, recorder) for file in sorted(folder.rglob("*.py"))]
+        begun = time.monotonic()
+        read = list(import_files(sorted(folder.rglob("*.py")), folder, not args.preview))
         _row(folder.name, [each for each in read if each.containers], time.monotonic() - begun)
         for each in read:
             for container in each.containers:

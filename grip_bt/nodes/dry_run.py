@@ -1,10 +1,17 @@
-"""A dry run of legacy code: what isn't here is stood in for, and each thing is told once."""
+"""A dry run of legacy code: what isn't here is stood in for, and each thing is told once.
+
+A value that nobody knows is 0 as a number, has nothing in it as a sequence, is true, equals nothing and is less than
+nothing. A state that can't go on with that ends well, and so does one that waits for what nobody does here.
+"""
 
 from __future__ import annotations
 
+import functools
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping
+import threading
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.machinery import ModuleSpec
 from typing import Any
@@ -33,8 +40,64 @@ class StandInState(State):
 
     def execute(self, ud: object) -> str:
         """End with the first outcome whose name isn't bad."""
-        outcomes = self.get_registered_outcomes()
-        return next((outcome for outcome in outcomes if not _BAD.search(outcome)), outcomes[0])
+        return _good(self.get_registered_outcomes())
+
+
+def _good(outcomes: Iterable[str]) -> str:
+    return next((outcome for outcome in outcomes if not _BAD.search(outcome)), next(iter(outcomes)))
+
+
+MOST_WAITS = 2000
+"""How often a state may wait, or look whether it should go on, in one execution."""
+_waits = threading.local()
+
+
+class WaitingError(Exception):
+    """A state waits without end."""
+
+
+class _ImpatientRos(Ros):
+    """What a dry run has for ROS."""
+
+    def sleep(self, seconds: float) -> None:
+        self._look()
+        super().sleep(seconds)
+
+    def is_shutdown(self) -> bool:
+        self._look()
+        return super().is_shutdown()
+
+    @staticmethod
+    def _look() -> None:
+        if getattr(_waits, "left", None) is not None:
+            _waits.left -= 1
+            if _waits.left < 0:
+                raise WaitingError("it waits for something that doesn't happen here")
+
+
+def _going_on(state: Any, execute: Callable[..., Any], told: list[str], tell: Callable[[str], object]) -> Any:
+    """Return a state's `execute`, which ends well where a stand-in keeps it from going on."""
+
+    @functools.wraps(execute)
+    def executed(*given: Any) -> Any:
+        before, _waits.left = getattr(_waits, "left", None), MOST_WAITS
+        try:
+            outcome = execute(*given)
+            if not stands_in(outcome):
+                return outcome
+            why = f"it returned {name_of(outcome)}"
+        except Exception as error:
+            if isinstance(error, NameError) or not told:
+                raise  # a mistake of its own
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            why = f"{type(error).__name__}: {error} ({place.filename.rpartition('/')[2]}:{place.lineno})"
+        finally:
+            _waits.left = before
+        outcome = _good(state.get_registered_outcomes())
+        tell(f"outcome {outcome} of {type(state).__name__}: {why}")
+        return outcome
+
+    return executed
 
 
 class _TellingFinder(StandInFinder):
@@ -57,17 +120,27 @@ class _TellingFinder(StandInFinder):
 @contextmanager
 def dry_run(tell: Callable[[str], object]) -> Iterator[None]:
     """Stand in for packages that aren't installed and for what nobody offers over ROS; `tell` is told of each."""
-    installed, finder = "smach" in sys.modules, _TellingFinder(tell)
+    installed, finder = "smach" in sys.modules, _TellingFinder(lambda what: named(what))
 
     def added(composite: Composite, child: Any) -> Any:
         return add_child(composite, Success(name_of(child)) if stands_in(child) else child)
 
-    add_child = Composite.add_child
+    def named(what: str) -> None:
+        if what not in told:
+            told.append(what)
+            tell(what)
+
+    def begun(state: Any, *arguments: Any, **named_ones: Any) -> None:
+        begin(state, *arguments, **named_ones)
+        if not isinstance(state, Container):
+            state.execute = _going_on(state, state.execute, told, named)
+
+    add_child, begin, told = Composite.add_child, State.__init__, list[str]()
     smach_compat.install(rospy=True)
-    smach_ros.use(Ros(stand_in, tell))
+    smach_ros.use(_ImpatientRos(stand_in, named))
     sys.meta_path.append(finder)
     try:
-        with mock.patch.object(Composite, "add_child", added):
+        with mock.patch.object(Composite, "add_child", added), mock.patch.object(State, "__init__", begun):
             yield
     finally:
         sys.meta_path.remove(finder)

@@ -65,8 +65,8 @@ class Construction:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> bool:
-        for owner, name, before in reversed(self._undo):
-            setattr(owner, name, before)
+        while self._undo:
+            setattr(*self._undo.pop())
         return kind is CaughtError
 
     def replace(self, owner: Any, name: str, value: Any) -> None:

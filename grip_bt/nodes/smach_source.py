@@ -8,10 +8,11 @@ import logging
 import os
 import re
 import sys
+import threading
 import tokenize
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from hashlib import sha256
 from importlib.abc import Loader, MetaPathFinder
@@ -71,7 +72,11 @@ def read_source(path: Path) -> Source:
     except (SyntaxError, ValueError) as first:
         try:
             whole = text.expandtabs(_TAB)
-            converted = str(_converter().refactor_string(whole if whole.endswith("\n") else whole + "\n", str(path)))
+            converted = str(
+                _converter(threading.get_ident()).refactor_string(
+                    whole if whole.endswith("\n") else whole + "\n", str(path)
+                )
+            )
             return Source(path, converted, _parse(converted), True)
         except Exception:  # noqa: BLE001 - the converter raises whatever it likes; the first error says what is wrong
             line = getattr(first, "lineno", None)
@@ -84,8 +89,8 @@ def _parse(text: str) -> ast.Module:
         return ast.parse(text)
 
 
-@lru_cache(maxsize=1)
-def _converter() -> Any:
+@lru_cache(maxsize=8)
+def _converter(thread: int) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # lib2to3 leaves Python with 3.13
         from lib2to3.refactor import RefactoringTool
@@ -103,20 +108,30 @@ _MANIFESTS = ("package.xml", "manifest.xml")  # the second one is rosbuild's
 
 @dataclass(frozen=True)
 class Workspace:
-    """The packages that lie together, by name; the folder around them; where modules are looked for."""
+    """The packages that lie together, by name; the folder around them; where modules are looked for.
+
+    For each of its files there are `folders` of its own before the `shared` ones.
+    """
 
     root: Path
-    folders: tuple[Path, ...]
+    shared: tuple[Path, ...]
     packages: Mapping[str, Path]
+    folders: tuple[Path, ...] = ()
 
 
-@lru_cache(maxsize=64)
 def workspace_of(file: Path, bound: Path | None = None) -> Workspace:
     """Return the workspace around a file, found by its packages' manifests; `bound`: its folder, if known."""
     package = next((p for p in file.parents if any((p / name).is_file() for name in (*_MANIFESTS, "setup.py"))), None)
     root = bound or (_root(package) if package is not None else file.parent)
-    packages, folders = {}, [file.parent, package_of(file)[0]]
-    for folder in _packages(root) if package is not None or bound is not None else ():
+    whole = _workspace(root, package is not None or bound is not None)
+    return replace(whole, folders=tuple(dict.fromkeys((file.parent, package_of(file)[0], *whole.shared))))
+
+
+@lru_cache(maxsize=64)
+def _workspace(root: Path, packaged: bool) -> Workspace:
+    """Return a workspace as it is for all of its files."""
+    packages, folders = {}, list[Path]()
+    for folder in _packages(root) if packaged else ():
         packages[name_of_package(folder) or folder.name] = folder
         folders += _module_folders(folder)
     folders += [root, root / "src", *sorted(root.glob("*/src"))]

@@ -57,6 +57,15 @@ def judged_by(new: Judge) -> None:
     judge = new
 
 
+def asked_once(value: Any, what: str, wanted: bool, *about: object) -> bool:
+    """Return the answer to a question about a stand-in, which stays as it is; `about`: what else is in it."""
+    answers = vars(value).setdefault("_stand_in_answers", {})
+    key = (what, *map(id, about))
+    if key not in answers:
+        answers[key] = judge.decide(what, wanted), about  # which lives on, and so keeps its id
+    return bool(answers[key][0])
+
+
 def _is_class(name: str) -> bool:
     return name[:1].isupper() and not name.isupper()
 
@@ -74,7 +83,7 @@ class _Kind(type):
     def __instancecheck__(cls, instance: object) -> bool:
         if type.__instancecheck__(cls, instance) or cls is StandIn or not type.__instancecheck__(StandIn, instance):
             return type.__instancecheck__(cls, instance)
-        return judge.decide(f"isinstance({name_of(instance)}, {cls.__name__})", True)
+        return asked_once(instance, f"isinstance({name_of(instance)}, {cls.__name__})", True, cls)
 
     def __iter__(cls) -> Iterator[Any]:
         judge.note(cls.__name__)
@@ -146,6 +155,10 @@ class StandIn(metaclass=_Kind):
         judge.note(name_of(self), held)
         return otherwise if held is UNKNOWN else kind(held)
 
+    def __array__(self, *given: object, **named: object) -> Any:
+        """Return it as an array of NumPy, which is what asks for one."""
+        return sys.modules["numpy"].array(self._forced(lambda held: held, 0.0), *given, **named)
+
     def __str__(self) -> str:
         return str(self._forced(str, f"<{name_of(self)}>"))
 
@@ -182,7 +195,10 @@ class StandIn(metaclass=_Kind):
         name = f"{name_of(self)} {sign} {other!r}"
         if held_by(self) is not UNKNOWN and value_of(other) is not UNKNOWN:
             return stand_in(name_of(self), work(held_by(self), value_of(other)))
-        return stand_in(name, wanted=sign == "!=")
+        if not isinstance(other, (str, int, float, type(None))):
+            return stand_in(name, wanted=sign == "!=")
+        compared = vars(self).setdefault("_stand_in_compared", {})
+        return compared.setdefault((sign, type(other), other), stand_in(name, wanted=sign == "!="))
 
 
 def _operation(work: Callable[..., Any], turned: bool) -> Callable[..., Any]:

@@ -8,10 +8,13 @@ import sys
 import pytest
 
 from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.nodes.dry_run import dry_run
 from grip_bt.nodes.smach_source import LegacyFinder, LegacySubmodules
 from grip_bt.nodes.stand_ins import StandInFinder
+from grip_bt.smach_compat import State
 
 LEGACY = """
+import numpy
 import rospy
 import smach
 import smach_ros
@@ -33,11 +36,33 @@ class Weighed(smach.State):
         return "light" if self.weigh(self.arm.name).ok else "heavy"
 
 
+class Aimed(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=["lost", "aimed"])
+        self.arm = Arm("right")
+
+    def execute(self, userdata):
+        assert list(numpy.array([self.arm.x, 1.0]) * 2) == [0.0, 2.0]
+        return "aimed" if max(self.arm.scores) > 3 else "lost"
+
+
+class Watched(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=["not_seen", "seen"])
+
+    def execute(self, userdata):
+        while not rospy.is_shutdown():
+            pass
+        return "not_seen"
+
+
 def build():
     sm = smach.StateMachine(outcomes=["succeeded", "aborted", "preempted"])
     with sm:
         smach.StateMachine.add("REST", Rest(), {"failed": "aborted", "rested": "WEIGH"})
-        smach.StateMachine.add("WEIGH", Weighed(), {"light": "LIFT", "heavy": "aborted"})
+        smach.StateMachine.add("WEIGH", Weighed(), {"light": "AIM", "heavy": "aborted"})
+        smach.StateMachine.add("AIM", Aimed(), {"lost": "aborted", "aimed": "WATCH"})
+        smach.StateMachine.add("WATCH", Watched(), {"not_seen": "aborted", "seen": "LIFT"})
         smach.StateMachine.add("LIFT", smach_ros.SimpleActionState("lift", LiftAction, goal=LiftGoal(speed=1)))
     return sm
 """
@@ -66,6 +91,16 @@ class Weigh(SmachLeaf):
         return self.built(machine)["WEIGH"]
 
 
+class Aim(SmachLeaf):
+    def make(self):
+        return self.built(machine)["AIM"]
+
+
+class Watch(SmachLeaf):
+    def make(self):
+        return self.built(machine)["WATCH"]
+
+
 class Lift(SmachLeaf):
     def make(self):
         return self.built(machine)["LIFT"]
@@ -81,6 +116,14 @@ MANIFEST = """
   implementation: leaves.py:Weigh
   outputs: {weight: {type: Any, on: [light, heavy]}}
   outcomes: {light: success, heavy: failure}
+- id: smach/legacy/Aim
+  doc: Aims.
+  implementation: leaves.py:Aim
+  outcomes: {lost: failure, aimed: success}
+- id: smach/legacy/Watch
+  doc: Watches.
+  implementation: leaves.py:Watch
+  outcomes: {not_seen: failure, seen: success}
 - id: smach/legacy/Lift
   doc: Lifts.
   implementation: leaves.py:Lift
@@ -97,10 +140,13 @@ root:
   outcomes: {succeeded: success, aborted: failure, preempted: failure}
   children:
     REST: {node: smach/legacy/Rest, on: {failed: aborted, rested: WEIGH}}
-    WEIGH: {node: smach/legacy/Weigh, out: {weight: weight}, on: {light: LIFT, heavy: aborted}}
+    WEIGH: {node: smach/legacy/Weigh, out: {weight: weight}, on: {light: AIM, heavy: aborted}}
+    AIM: {node: smach/legacy/Aim, on: {lost: aborted, aimed: WATCH}}
+    WATCH: {node: smach/legacy/Watch, on: {not_seen: aborted, seen: LIFT}}
     LIFT: {node: smach/legacy/Lift, on: {succeeded: succeeded, aborted: aborted, preempted: preempted}}
 """
 STOOD_IN_FOR = ["action /lift", "package robot_of_ours", "parameter /arm/side", "service /weigh"]
+WENT_ON = ["outcome aimed of Aimed: ValueError: ", "outcome seen of Watched: WaitingError: "]
 
 
 @pytest.fixture(scope="module")
@@ -124,7 +170,10 @@ def test_a_legacy_task_runs_to_its_end_and_each_stand_in_is_named(project, words
     done = subprocess.run(command, cwd=project, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1].startswith("success: succeeded")
-    assert sorted(re.findall(r"^  stand-in +(.+)$", done.stderr, re.MULTILINE)) == STOOD_IN_FOR
+    named = re.findall(r"^  stand-in +(.+)$", done.stderr, re.MULTILINE)
+    outcomes = [each for each in named if each.startswith("outcome")]
+    assert sorted(each for each in named if each not in outcomes) == STOOD_IN_FOR
+    assert [said.startswith(words) for said, words in zip(outcomes, WENT_ON, strict=True)] == [True, True]
 
 
 def test_without_it_the_run_says_which_package_is_missing(project):
@@ -140,6 +189,24 @@ def test_a_dry_run_leaves_the_process_as_it_was(project):
         assert session.runner.run().status == "success"
     assert [f for f in sys.meta_path if f not in before[0] and not isinstance(f, LegacyFinder | LegacySubmodules)] == []
     assert not [name for name in set(sys.modules) - before[1] if name.startswith(("robot_of_ours", "rospy", "smach."))]
+
+
+def test_a_mistake_of_a_states_own_stays_one_where_nothing_is_stood_in_for(capsys):
+    told = []
+    with dry_run(told.append):
+        state = Mistaken(outcomes=["done"])
+        with pytest.raises(ZeroDivisionError):
+            state.execute(None)
+        importlib.import_module("package_of_nobody")
+        assert state.execute(None) == "done"
+    assert told[0] == "package package_of_nobody"
+    assert told[1].startswith("outcome done of Mistaken: ZeroDivisionError")
+    assert type(state).execute is Mistaken.execute
+
+
+class Mistaken(State):
+    def execute(self, userdata):
+        return "done" if 1 / 0 else "done"
 
 
 def test_what_an_installed_library_can_do_without_stays_missing(tmp_path, monkeypatch):

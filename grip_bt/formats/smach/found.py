@@ -5,6 +5,7 @@ Recording processes tell it as JSON.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -145,11 +146,12 @@ class ContainerInfo(StateInfo):
 
 
 class Job(BaseModel):
-    """A file to record; `given`: class or function, or empty for all -> parameter -> value."""
+    """A file to record; `given`: class or function, or empty for all -> parameter -> value; `builders`: if not all."""
 
     file: str
     root: str | None = None
     given: dict[str, dict[str, JsonValue]] = {}
+    builders: list[str] | None = None
 
 
 class Built(BaseModel):
@@ -165,6 +167,11 @@ class Built(BaseModel):
     state: ContainerInfo
     returned: bool = False
     variable: str = ""
+
+    @property
+    def shape(self) -> str:
+        """What it is, wherever the code that makes it is."""
+        return re.sub(r'"file":"[^"]*"|"line":\d+', "", self.state.model_dump_json())
 
 
 class Told(BaseModel):
@@ -183,6 +190,7 @@ class Run(BaseModel):
         answers: to the questions with two answers, in their order, and `asked` what these were.
         missing: parameters of the builder that a stand-in was given for.
         unfinished: whether there are answers that weren't tried.
+        seconds: time of the processor that it took; of an import, with all runs after it.
     """
 
     builder: str
@@ -194,6 +202,7 @@ class Run(BaseModel):
     missing: list[str] = []
     unfinished: bool = False
     stopped: bool = False
+    seconds: float = 0.0
 
 
 class Record(BaseModel):

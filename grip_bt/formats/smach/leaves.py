@@ -34,6 +34,14 @@ _FAILURE = re.compile(
 )
 
 
+_NEGATED = re.compile(r"no|not|un.+|fail.*|never")
+
+
+def _says_success(outcome: str) -> bool:
+    words = re.findall(r"[a-z]+", outcome.lower())
+    return any(word in _SUCCESS for word in words) and not any(_NEGATED.fullmatch(word) for word in words)
+
+
 class Meanings:
     """What outcomes mean: by their names, or because they are among `success`.
 
@@ -46,7 +54,7 @@ class Meanings:
     def of(self, outcomes: Iterable[str]) -> dict[str, Meaning]:
         """Return outcome -> what it means among these."""
         labels = list(outcomes)
-        good = {o for o in labels if o in self.success} or {o for o in labels if o.strip().lower() in _SUCCESS}
+        good = {o for o in labels if o in self.success} or {o for o in labels if _says_success(o)}
         good = good or set([o for o in labels if not _FAILURE.search(o.strip().lower())][:1])
         return {o: "success" if o in good else "failure" for o in labels}
 
@@ -54,7 +62,7 @@ class Meanings:
         """Return the outcome that was taken for success, though nothing says so; empty where there is none."""
         means = self.of(outcomes)
         good = [o for o, meaning in means.items() if meaning == "success"]
-        return "" if not good or good[0] in self.success or good[0].strip().lower() in _SUCCESS else good[0]
+        return "" if not good or good[0] in self.success or _says_success(good[0]) else good[0]
 
 
 MARK = generated_by("smach")

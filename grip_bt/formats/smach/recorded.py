@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from threading import Lock
 from typing import Any
+from zlib import crc32
 
 from grip_bt.base.interpreter import python_command
 from grip_bt.nodes.smach_source import read_source
@@ -23,14 +24,14 @@ _MOST_REASONS = 4
 
 
 class Recorder:
-    """Two recording processes, whose hashes differ; `with Recorder() as recorder` ends them."""
+    """Two recording processes, whose hashes differ; `with Recorder() as recorder` ends them. Threads may share it."""
 
     def __enter__(self) -> Recorder:
-        self._processes = [self._start(seed) for seed in ("1", "2")]
+        self._processes = [(self._start(seed), Lock()) for seed in ("1", "2")]
         return self
 
     def __exit__(self, *given: object) -> None:
-        for process in self._processes:
+        for process, _ in self._processes:
             process.stdin.close()  # type: ignore[union-attr]
             process.wait()
             process.stdout.close()  # type: ignore[union-attr]
@@ -44,28 +45,33 @@ class Recorder:
         return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
 
     def record(self, file: Path, root: Path | None = None, given: Given | None = None) -> tuple[Record, Record]:
-        """Run the construction of a file's machines, and return what both processes saw. Its code runs."""
+        """Run the construction of a file's machines; return what one process saw, and the other of the same ones."""
         plain = {name: dict(arguments) for name, arguments in (given or {}).items()}
-        job = Job(file=str(file), root=None if root is None else str(root), given=plain).model_dump_json()
-        for process in self._processes:
-            assert process.stdin is not None, "it is a pipe"
-            process.stdin.write(job + "\n")
-            process.stdin.flush()
-        lines = [process.stdout.readline() for process in self._processes if process.stdout is not None]
-        ended = Record(error="the recording process ended")
-        first, second = (Record.model_validate_json(line) if line else ended for line in lines)
-        return first, second
+        job = Job(file=str(file), root=None if root is None else str(root), given=plain)
+        turn = crc32(file.name.encode()) % 2  # while one is asked about this file, the other is about the next
+        first = self._asked(turn, job)
+        job.builders = sorted({seen[0][0].builder for seen in _chosen(first).values()})
+        return first, self._asked(1 - turn, job) if job.builders else Record()
+
+    def _asked(self, number: int, job: Job) -> Record:
+        process, lock = self._processes[number]
+        asking: Any = process.stdin
+        answers: Any = process.stdout
+        with lock:
+            asking.write(job.model_dump_json() + "\n")
+            asking.flush()
+            line = answers.readline()
+        return Record.model_validate_json(line) if line else Record(error="the recording process ended")
 
 
 def recorded_containers(file: Path, records: tuple[Record, Record], given: Given) -> list[ContainerInfo]:
     """Return all containers of a file: those that were built, and those of the text that nothing has built."""
-    first, second = (_by_key(record) for record in records)
-    chosen = {key: min(builders.values(), key=_rank) for key, builders in first.items()}
+    chosen, second = _chosen(records[0]), _by_key(records[1])
     found, shapes = [], set[str]()
     for key, seen in sorted(chosen.items(), key=lambda item: _rank(item[1])):
-        again = next((b[seen[0][0].builder] for k, b in second.items() if k == key and seen[0][0].builder in b), None)
+        again = second.get(key, {}).get(seen[0][0].builder)
         state = seen[0][1].state
-        shape = _shape(state) + ("" if state.cls != state.kind else key.rpartition("#")[0])
+        shape = seen[0][1].shape + ("" if state.cls != state.kind else key.rpartition("#")[0])
         if shape not in shapes:  # what is built again, in a loop or of a class, is no second machine
             shapes.add(shape)
             found.append(_container(file, seen, again, records[0], given))
@@ -92,6 +98,11 @@ def _by_key(record: Record) -> dict[str, dict[str, Seen]]:
     return found
 
 
+def _chosen(record: Record) -> dict[str, Seen]:
+    """Return of each machine what the builder did that tells most of it."""
+    return {key: min(builders.values(), key=_rank) for key, builders in _by_key(record).items()}
+
+
 def _rank(seen: Seen) -> tuple[Any, ...]:
     run, machine = seen[0]
     open_ = _variants(seen) > 1 or any(r.told or r.unfinished for r, _ in seen)
@@ -99,12 +110,8 @@ def _rank(seen: Seen) -> tuple[Any, ...]:
     return not machine.state.added, open_, len(run.missing), not named, run.builder == "__main__", run.builder
 
 
-def _shape(state: ContainerInfo) -> str:
-    return re.sub(r'"file":"[^"]*"|"line":\d+', "", state.model_dump_json())
-
-
 def _variants(seen: Seen) -> int:
-    return len({_shape(machine.state) for _, machine in seen})
+    return len({machine.shape for _, machine in seen})
 
 
 def _container(file: Path, seen: Seen, again: Seen | None, record: Record, given: Given) -> ContainerInfo:
@@ -146,9 +153,8 @@ def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[st
             yield text, _span(each)
     elif any(run.unfinished for run, _ in seen) or any(r.unfinished for r in record.runs if r.builder == "import"):
         yield "asks more than was tried of what is known only in a run", None
-    if again is None or {_shape(m.state) for _, m in again} != {_shape(m.state) for _, m in seen}:
-        if not told:
-            yield "was another machine when it was built again: something in it goes by chance", None
+    elif not told and (again is None or {m.shape for _, m in again} != {m.shape for _, m in seen}):
+        yield "was another machine when it was built again: something in it goes by chance", None
 
 
 def _span(told: Told) -> Span | None:

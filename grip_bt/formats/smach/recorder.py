@@ -7,23 +7,20 @@ of stand-ins is answered in every way, one after the other. The code has to be t
 from __future__ import annotations
 
 import ast
+import gc
 import inspect
 import os
 import re
 import resource
-import select
-import signal
 import sys
-import time
 import unittest
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import lru_cache, partial
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
-
-from pydantic import BaseModel
 
 from grip_bt import smach_compat
 from grip_bt.nodes import stand_ins
@@ -34,13 +31,12 @@ from grip_bt.nodes.stand_ins import StandIn, StandInFinder, name_of, stand_in, s
 from . import tracked_code
 from .facts import facts_of, unwrapped
 from .found import Built, Job, Record, Run, Told
+from .sandbox import BUILDER_PATIENCE, PATIENCE, Warmed, WarmProcesses, in_child, seconds_used
 from .surroundings import guard, ros_stand_ins, surround
 
-MOST_ANSWERS, MOST_IMPORTS = 48, 6
-"""In how many ways the questions of a builder, and those of an import, are answered."""
+MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS = 48, 6, 6
+"""In how many ways the questions of a builder, and those of an import, are answered; few, where all are too many."""
 MOST_QUESTIONS = 400
-PATIENCE, BUILDER_PATIENCE = 20, 4
-"""How much time of the processor [s] a file, and a builder, may take; of the clock it is ten times as much."""
 _MEMORY = 4 << 30
 _ROS = ("rospy", "rclpy", "roslib", "actionlib", "smach_ros", "tf", "tf2_ros", "launch", "launch_ros")
 _INTERFACES = ("_msgs", "_srvs", "_interfaces")
@@ -144,59 +140,28 @@ class Recording(Construction):
             )
 
 
-def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel], patience: int) -> str:
-    """Return, as JSON, what is told by a child of this process; `otherwise` says what a failure is."""
-    reader, writer = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(reader)
-        os.setpgid(0, 0)
-        used = int(sum(resource.getrusage(resource.RUSAGE_SELF)[:2]))
-        resource.setrlimit(resource.RLIMIT_CPU, (used + patience + 1, used + patience + 1))
-        try:
-            text = work().model_dump_json(exclude_defaults=True)
-        except BaseException as error:  # noqa: BLE001 - legacy code may do anything, sys.exit among it
-            text = otherwise(f"{type(error).__name__}: {error}").model_dump_json()
-        with os.fdopen(writer, "wb") as pipe:
-            pipe.write(text.encode(errors="replace"))
-        os._exit(0)
-    os.close(writer)
-    parts, end = [], time.monotonic() + 10 * patience
-    while select.select([reader], [], [], max(0.0, end - time.monotonic()))[0]:
-        part = os.read(reader, 1 << 20)
-        if not part:
-            break
-        parts.append(part)
-    else:
-        os.kill(child, signal.SIGKILL)
-        parts = [otherwise(f"it was stopped after {10 * patience} s").model_dump_json().encode()]
-    os.close(reader)
-    os.waitpid(child, 0)
-    return (
-        b"".join(parts).decode()
-        or otherwise(f"its process ended, perhaps after {patience} s of computing").model_dump_json()
-    )
-
-
 def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
-    """Return the runs with all ways of answering what is asked."""
-    todo, runs, begun = [list[bool]()], list[Run](), _used_below()
+    """Return the runs with all ways of answering what is asked.
+
+    It ends early where that is enough: each machine is another one by the answers, or there are too many ways.
+    """
+    todo, runs, shapes = [list[bool]()], list[Run](), defaultdict[str, set[str]](set)
     while todo:
-        if len(runs) >= most or _used_below() - begun > PATIENCE / 3:
-            runs[0].unfinished = True
+        late = sum(run.seconds for run in runs) > PATIENCE / 3 or len(runs) >= most
+        hopeless = len(runs) + len(todo) > most and len(runs) >= FEW_ANSWERS and any(not run.error for run in runs)
+        if late or hopeless:
+            for run in runs:
+                run.unfinished = True
             break
-        given = todo.pop()
+        given = todo.pop()  # the last question of the last run is changed first: what it led to was nearest to it
         run = first(given)
         runs.append(run)
-        if run.stopped:
+        for machine in run.machines:
+            shapes[machine.key].add(machine.shape)
+        if run.stopped or (shapes and all(len(each) > 1 for each in shapes.values())):
             break
         todo += [[*run.answers[:n], not run.answers[n]] for n in range(len(given), len(run.answers))]
     return runs
-
-
-def _used_below() -> float:
-    """Return the time of the processor [s] that children which have ended took."""
-    return sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
 
 
 _compiled: dict[Path, None] = {}
@@ -214,45 +179,70 @@ def _code_of(file: Path, changed: int) -> CodeType:
 
 
 class FileRecorder:
-    """Records one file, in the process that imports it."""
+    """Records a file of a workspace in the process that imports it, or what several files import first."""
 
     def __init__(self, job: Job, answers: list[bool]):
-        self.file, self.given, self.answers = Path(job.file), job.given, answers
+        self.finder, self.record, self.read = StandInFinder(), Record(), set[str]()
+        self.asking = Asking(answers)
+        self.recording = Recording(self.asking)
+        self._about(job)
+
+    def _about(self, job: Job) -> None:
+        self.job, self.file = job, Path(job.file)
         self.workspace: Workspace = workspace_of(self.file, Path(job.root) if job.root else None)
-        self.finder = StandInFinder()
-        self.record, self.read = Record(), set[str]()
 
     def recorded(self) -> Record:
         """Import the file, and call its builders."""
         self._prepare()
+        return self.rest(self.job, self.asking.given)
+
+    def warmed(self, names: list[str]) -> Warmed:
+        """Import modules, which is how several files begin."""
+        self._prepare()
+        run, _ = self._run("import", self.asking, self.recording, lambda: [__import__(name) for name in names])
+        gc.freeze()
+        usable = self.recording.caught is None and not run.unfinished
+        failed = Record(runs=[run], read=sorted(self.read)) if run.error else None
+        return Warmed(usable=usable, failed=failed, answers=run.answers, tried=self.modules.tried)
+
+    def rest(self, job: Job, answers: list[bool]) -> Record:
+        """Record a file that begins with what was imported here so far."""
+        self._about(job)
         name = module_name(self.file)
-        asking = Asking(self.answers)
-        run, recording, module = self._run("import", asking, lambda: self._import(name))
-        run.machines = list(recording.machines(str(self.file), None, vars(module) if module else {}))
+        tracked_code.legacy_modules.add(name)
+        sys.argv = stand_in("sys.argv", [job.file])  # type: ignore[assignment]
+        self.modules.folders = list(dict.fromkeys((*self.workspace.folders, *self.modules.folders)))
+        self.asking.given, self.asking.over = answers, False
+        run, module = self._run("import", self.asking, self.recording, lambda: self._import(name))
+        run.machines = list(self.recording.machines(job.file, None, vars(module) if module else {}))
         self.record.runs.append(run)
+        gc.freeze()
         if module is not None:
             for builder, call in (("__main__", self._main), *self._builders(module)):
-                self.record.runs += answered(partial(self._built, builder, call), MOST_ANSWERS)
+                if job.builders is None or builder in job.builders:
+                    self.record.runs += answered(partial(self._built, builder, call), MOST_ANSWERS)
         self.record.compiled = list(_compiled)
         self.record.read = sorted(self.read)
+        run.seconds = seconds_used()
         return self.record
 
     def _prepare(self) -> None:
         for limit, most in ((resource.RLIMIT_AS, _MEMORY), (resource.RLIMIT_CORE, 0)):
             resource.setrlimit(limit, (most, most))
-        null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(null, 1)
-        os.dup2(null, 2)
+        gc.disable()  # whatever it would find is written to, and so is copied in each child
+        null = os.open(os.devnull, os.O_RDWR)
+        for stream in range(3):
+            os.dup2(null, stream)
         quiet = lambda text: None  # noqa: E731
         smach_compat.install(ros=False)  # states of smach_ros have stand-ins: recording never talks to ROS
         smach_compat.set_loggers(quiet, quiet, quiet, quiet)
         ros_stand_ins(self.finder, self.workspace)
         sys.path[:] = [p for p in sys.path if p and not Path(p).is_relative_to(self.workspace.root)]
-        sys.meta_path.insert(2, _TrackedFinder(self.workspace, self.finder))
+        self.modules = _TrackedFinder(self.workspace, self.finder)
+        sys.meta_path.insert(2, self.modules)
         sys.meta_path.append(_Missing(self.finder))
         tracked_code.install()
-        tracked_code.legacy_modules.add(module_name(self.file))
-        surround(self.file, self.workspace)
+        surround(self.workspace)
         guard(self.workspace, self.read)
 
     def _import(self, name: str) -> ModuleType:
@@ -271,9 +261,9 @@ class FileRecorder:
     def _main(self) -> Any:
         exec(_code(self.file), {"__name__": "__main__", "__file__": str(self.file)})
 
-    def _run(self, builder: str, asking: Asking, work: Callable[[], Any]) -> tuple[Run, Recording, Any]:
+    def _run(self, builder: str, asking: Asking, recording: Recording, work: Callable[[], Any]) -> tuple[Run, Any]:
         stand_ins.judged_by(asking)
-        recording, run, result = Recording(asking), Run(builder=builder), None
+        run, result = Run(builder=builder), None
         try:
             result = recording.run(work)
         except TooManyError:
@@ -282,15 +272,15 @@ class FileRecorder:
             run.error = f"{type(error).__name__}: {error}"[:300] + _where(error)
         asking.over = True
         run.answers, run.asked, run.told = asking.answers, asking.asked, list(asking.told.values())
-        return run, recording, result
+        return run, result
 
     def _built(self, builder: str, call: Callable[[], Any], given: list[bool]) -> Run:
         def work() -> Run:
-            missing = list[str]()
+            self._missing = list[str]()
             asking = Asking(given)
-            self._missing = missing
-            run, recording, result = self._run(builder, asking, call)
-            run.missing = missing
+            recording = Recording(asking)
+            run, result = self._run(builder, asking, recording, call)
+            run.missing, run.seconds = self._missing, seconds_used()
             names = vars(sys.modules[module_name(self.file)])
             run.machines = list(
                 recording.machines(str(self.file), None if recording.caught is not None else result, names)
@@ -300,7 +290,7 @@ class FileRecorder:
             return run
 
         return Run.model_validate_json(
-            in_child(work, lambda words: Run(builder=builder, error=words), BUILDER_PATIENCE)
+            in_child(work, lambda words: Run(builder=builder, error=words, seconds=BUILDER_PATIENCE), BUILDER_PATIENCE)
         )
 
     def _builders(self, module: ModuleType) -> Iterator[tuple[str, Callable[[], Any]]]:
@@ -332,7 +322,7 @@ class FileRecorder:
         return self._call(getattr(made, method), f"{name}.{method}")
 
     def _call(self, function: Callable[..., object], name: str) -> Any:
-        given = {**self.given.get("", {}), **self.given.get(name, {})}
+        given = {**self.job.given.get("", {}), **self.job.given.get(name, {})}
         signature = inspect.signature(function)
         bound = signature.bind_partial()
         for name, parameter in signature.parameters.items():
@@ -379,8 +369,8 @@ class _TrackedFinder(LegacyFinder):
     """Finds what is in the workspace, wherever the path leads there, and compiles it so that it is seen."""
 
     def __init__(self, workspace: Workspace, finder: StandInFinder):
-        super().__init__(workspace.folders, _code)
-        self.workspace, self.finder = workspace, finder
+        super().__init__(workspace.shared, _code)
+        self.workspace, self.finder, self.tried = workspace, finder, dict[str, str]()
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
         top = fullname.partition(".")[0]
@@ -393,6 +383,8 @@ class _TrackedFinder(LegacyFinder):
             paths = [Path(p) for p in sys.path if isinstance(p, str) and p]
             self.folders += [p for p in paths if p.is_relative_to(self.workspace.root) and p not in self.folders]
             found = super().find_spec(fullname, path, target)
+        if path is None:
+            self.tried[fullname] = str(found.origin) if found is not None else ""
         if found is not None:
             tracked_code.legacy_modules.add(fullname)
         return found
@@ -422,12 +414,14 @@ def _prepared(file: Path, line: int) -> bool:
     return any(re.search(r"\b((Base)?Exception|ImportError|ModuleNotFoundError)\b", name) for name in caught)
 
 
-def record(job: Job) -> Record:
+def record(job: Job, warm: WarmProcesses) -> Record:
     """Record a file, with all ways in which what its import asks can be answered."""
     whole = Record()
 
     def once(given: list[bool]) -> Run:
-        text = in_child(lambda: FileRecorder(job, given).recorded(), lambda words: Record(error=words), PATIENCE)
+        text = warm.record(job, given) or in_child(
+            lambda: FileRecorder(job, given).recorded(), lambda words: Record(error=words), PATIENCE
+        )
         told = Record.model_validate_json(text)
         whole.error = whole.error or told.error
         whole.read = told.read or whole.read
@@ -446,6 +440,8 @@ def record(job: Job) -> Record:
 
 def main() -> None:
     """Answer jobs until stdin ends."""
+    warm = WarmProcesses(FileRecorder)
     for line in sys.stdin:
-        sys.stdout.write(record(Job.model_validate_json(line)).model_dump_json(exclude_defaults=True) + "\n")
+        sys.stdout.write(record(Job.model_validate_json(line), warm).model_dump_json(exclude_defaults=True) + "\n")
         sys.stdout.flush()
+    warm.close()

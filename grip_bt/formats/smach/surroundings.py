@@ -18,7 +18,6 @@ import time
 import uuid
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree
@@ -74,7 +73,7 @@ def _importing() -> bool:
     return False
 
 
-def surround(file: Path, workspace: Workspace) -> None:
+def surround(workspace: Workspace) -> None:
     """Put what stands for the surroundings in their place, for good."""
     for module, names in _SEEN.items():
         for name in names:
@@ -89,7 +88,7 @@ def surround(file: Path, workspace: Workspace) -> None:
     SPECIAL[input] = lambda *given: stand_in("input()")
     SPECIAL[time.sleep] = lambda seconds: None
     setattr(os, "environ", _Environment(os.environ))  # noqa: B010 - the process is ours
-    sys.argv = stand_in("sys.argv", [str(file)])  # type: ignore[assignment]
+    sys.argv = stand_in("sys.argv", [""])  # type: ignore[assignment]
     sys.stdin = stand_in("sys.stdin")
     argparse.ArgumentParser.parse_args = _parsed  # type: ignore[method-assign,assignment]
     argparse.ArgumentParser.parse_known_args = lambda *given: (_parsed(*given), [])  # type: ignore[method-assign,assignment]

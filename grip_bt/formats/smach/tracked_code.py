@@ -15,7 +15,7 @@ from types import BuiltinFunctionType, FrameType, FunctionType, MethodType
 from typing import Any
 
 from grip_bt.nodes import stand_ins
-from grip_bt.nodes.stand_ins import StandIn, held_by, lifted, name_of, stand_in, stands_in, value_of
+from grip_bt.nodes.stand_ins import StandIn, asked_once, held_by, lifted, name_of, stand_in, stands_in, value_of
 
 IS, CALL, STAR, SET, MOD, TEXT = (f"__grip_{name}__" for name in ("is", "call", "star", "set", "mod", "text"))
 _DIRECT = ("super", "locals", "globals", "vars", "dir", "eval", "exec")
@@ -96,9 +96,12 @@ def _is(left: object, right: object) -> bool:
         if stands_in(one) and not isinstance(one, type):
             held = value_of(one)
             if held is not stand_ins.UNKNOWN:
-                return stand_ins.judge.decide(name_of(one), held is value_of(other))
+                return asked_once(one, name_of(one), held is value_of(other), other)
             if other is None or isinstance(other, bool):
-                return stand_ins.judge.decide(f"{name_of(one)} is {other!r}", False)
+                same = asked_once(one, f"{name_of(one)} is {other!r}", False)
+                if same:
+                    vars(one)["_stand_in_answer"] = bool(other)
+                return same
     return left is right
 
 
@@ -171,7 +174,7 @@ def _untracked(value: Any) -> Any:
 
 def _hasattr(value: Any, name: str) -> bool:
     if stands_in(value) and not isinstance(value, type) and name not in vars(value):
-        return stand_ins.judge.decide(f"hasattr({name_of(value)}, {name!r})", True)
+        return asked_once(value, f"hasattr({name_of(value)}, {name!r})", True)
     return hasattr(value, name)
 
 
@@ -194,13 +197,17 @@ def _isinstance(value: Any, kinds: Any) -> bool:
     if stands_in(value) and not isinstance(value, type):
         held = value_of(value)
         if held is not stand_ins.UNKNOWN:
-            return stand_ins.judge.decide(f"the class of {name_of(value)}", isinstance(held, kinds))
-        names = [getattr(k, "__name__", str(k)) for k in (kinds if isinstance(kinds, tuple) else (kinds,))]
+            return asked_once(value, f"the class of {name_of(value)}", isinstance(held, kinds), kinds)
+        names = [getattr(k, "__name__", str(k)) for k in _each(kinds)]
         declared = vars(value).get("_stand_in_declared")
         if isinstance(value, kinds) if type(value) is not StandIn else declared in names:
             return True
-        return stand_ins.judge.decide(f"isinstance({name_of(value)}, {' or '.join(names)})", True)
+        return asked_once(value, f"isinstance({name_of(value)}, {' or '.join(names)})", True, *_each(kinds))
     return isinstance(value, kinds)
+
+
+def _each(kinds: Any) -> tuple[Any, ...]:
+    return kinds if isinstance(kinds, tuple) else (kinds,)
 
 
 def _issubclass(value: Any, kinds: Any) -> bool:
@@ -211,7 +218,7 @@ def _issubclass(value: Any, kinds: Any) -> bool:
 
 def _callable(value: Any) -> bool:
     if stands_in(value) and not isinstance(value, type):
-        return stand_ins.judge.decide(f"callable({name_of(value)})", True)
+        return asked_once(value, f"callable({name_of(value)})", True)
     return callable(value)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import importlib
+import numbers
 import sys
 from dataclasses import dataclass
 from functools import partial
@@ -20,7 +21,7 @@ from typing import Any
 
 from grip_bt.smach_compat._provided import Provided
 from grip_bt.smach_compat._settings import settings
-from grip_bt.smach_compat.smach_ros._connection import ros
+from grip_bt.smach_compat.smach_ros._connection import ros, stands_in
 
 _PARTS = ("Goal", "Result", "Feedback")
 
@@ -81,7 +82,7 @@ def _give_actions(module: ModuleType, package: str) -> None:
 
 
 def _by_position(message: Any) -> Any:
-    """Let fields be given by position too, as ROS 1 does: all or none of them."""
+    """Let fields be given by position too, as ROS 1 does, all or none of them; and whole numbers as floats."""
     begun = message.__init__
     if hasattr(begun, "__wrapped__"):
         return message  # done before, or a time
@@ -95,8 +96,34 @@ def _by_position(message: Any) -> Any:
             )
         begun(self, **dict(zip(names, values, strict=True)), **fields)
 
+    kinds, keep = message.get_fields_and_field_types(), message.__setattr__
     message.__init__ = init
+    message.__setattr__ = lambda self, name, value: keep(self, name, _as_field(kinds.get(name, ""), value))
     return message
+
+
+def _as_field(kind: str, value: Any) -> Any:
+    """Return what a field is given as ROS 2 takes it; a stand-in as what a field has at first, or as its number."""
+    number = float if kind in ("float", "double") else int if kind.removeprefix("u").startswith("int") else None
+    if stands_in(value):
+        if number is None or kind.endswith("]"):
+            return _at_first(kind) if kind else value
+        return number(value)
+    if number is float and isinstance(value, numbers.Real) or number is int and isinstance(value, numbers.Integral):
+        return number(value)
+    return value
+
+
+def _at_first(kind: str) -> Any:
+    """Return the value that a field of a kind, as messages spell it, has at first."""
+    item, _, size = kind.removesuffix("]").partition("[")
+    if size:
+        return [_at_first(item) for _ in range(int(size))]
+    if "/" in kind and "<" not in kind:
+        package, name = kind.split("/")
+        return getattr(importlib.import_module(f"{package}.msg"), name)()
+    plain = {"boolean": True, "octet": b"\0", "float": 0.0, "double": 0.0}
+    return [] if "<" in kind and "sequence" in kind else "" if "string" in kind else plain.get(kind, 0)
 
 
 _SECOND = 10**9

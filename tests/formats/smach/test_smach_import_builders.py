@@ -79,6 +79,35 @@ def build():
 """
 
 
+ASKED_OFTEN = """
+import rospy
+
+
+def build():
+    tool = rospy.find_tool()
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        for number in range(8):
+            if tool is None or isinstance(tool, rospy.Gripper):
+                rospy.loginfo('no hand')
+            smach.StateMachine.add('A%d' % number, Step(tool), {'done': 'done'})
+    return sm
+"""
+TOO_OFTEN = """
+import rospy
+
+
+def build():
+    if not rospy.mode == 'teach':
+        raise ValueError(rospy.mode)
+    asked = [bool(rospy.ask(number)) for number in range(8)]
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        smach.StateMachine.add('B' if not any(asked) else 'A', Step())
+    return sm
+"""
+
+
 @pytest.mark.parametrize(
     ("text", "verdicts"),
     [
@@ -88,8 +117,13 @@ def build():
         (SET, ["exact"]),
         (LABELLED, ["partial"]),
         (UNPACKED, ["exact"]),
+        (ASKED_OFTEN, ["exact"]),
+        (TOO_OFTEN, ["partial"]),
     ],
-    ids=["a state with a machine", "filled by a method", "a kind of container", "a set", "labels of a set", "unpacked"],
+    ids=[
+        *("a state with a machine", "filled by a method", "a kind of container", "a set", "labels of a set"),
+        *("unpacked", "one question often", "more questions than are tried after a first try that raises"),
+    ],
 )
 def test_what_is_built_is_found_and_is_exact_where_nothing_decides(text, verdicts, tmp_path):
     file = tmp_path / "legacy.py"

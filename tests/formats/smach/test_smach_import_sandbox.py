@@ -1,0 +1,68 @@
+"""The processes that construction runs in: what is warm is what a file would have seen alone, and what waits ends."""
+
+import threading
+
+from smach_runs import record
+
+from grip_bt.formats.smach import sandbox
+from grip_bt.formats.smach.found import Run
+
+LIBRARY = """
+import smach
+import names
+
+NAMES = ["A"] + names.MORE
+
+
+class Step(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=["done"])
+
+"""
+MISSION = """{first}
+
+
+def mission():
+    sm = smach.StateMachine(outcomes=["done"])
+    with sm:
+        for label in NAMES + [{more!r}]:
+            smach.StateMachine.add(label, Step(), {{"done": "done"}})
+    return sm
+"""
+FIRST = [
+    "from library import NAMES, Step, smach",
+    "import os\nfrom library import NAMES, Step, smach",
+    '"""It says what it is."""\nfrom __future__ import annotations\nfrom library import NAMES, Step, smach',
+    "from library import NAMES, Step, smach",
+    "from library import NAMES, Step, smach\nNAMES.append('CHANGED')",
+    "import names\nnames.MORE.append('BEFORE')\nfrom library import NAMES, Step, smach",
+]
+WANTED = [["A", "N"]] * 4 + [["A", "N", "CHANGED"], ["A", "N", "BEFORE"]]
+
+
+def test_files_that_begin_alike_see_what_each_would_see_alone(tmp_path):
+    for package in ("app", "library"):
+        (tmp_path / package / "src" / "library").mkdir(parents=True)
+        (tmp_path / package / "package.xml").write_text(f"<package><name>{package}</name></package>")
+    (tmp_path / "library/src/library/__init__.py").write_text(LIBRARY)
+    (tmp_path / "library/src/names.py").write_text("MORE = ['N']\n")
+    (tmp_path / "app/src/library").rmdir()
+    files = [tmp_path / "app" / f"mission_{number}.py" for number in range(len(FIRST))]
+    for number, file in enumerate(files):
+        file.write_text(MISSION.format(first=FIRST[number], more=str(number)))
+    own = tmp_path / "app" / "alone" / "mission.py"
+    own.parent.mkdir()
+    own.write_text(files[0].read_text())
+    (own.parent / "names.py").write_text("MORE = ['OF_ITS_OWN']\n")
+    for file, labels, more in [*zip(files, WANTED, "012345", strict=True), (own, ["A", "OF_ITS_OWN"], "0")]:
+        (found,) = record(file, tmp_path).containers
+        assert (list(found.added), found.verdict) == ([*labels, more], "exact")
+    assert sandbox.first_imports(files[1], tmp_path) == ["library"]
+    assert sandbox.first_imports(files[5], tmp_path) == ["names"]
+    assert sandbox.first_imports(own, tmp_path) == ["library"]
+
+
+def test_what_only_waits_is_ended_long_before_its_time_is_over(monkeypatch):
+    monkeypatch.setattr(sandbox, "_LOOK", 0.02)
+    told = sandbox.in_child(threading.Event().wait, lambda words: Run(builder="b", error=words), 1000)
+    assert Run.model_validate_json(told).error == "it waits for something"
