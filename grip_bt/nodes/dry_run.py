@@ -26,7 +26,33 @@ from grip_bt.smach_compat.smach_ros._port import Ros
 
 from .stand_ins import StandInFinder, StandInModule, name_of, stand_in, stands_in
 
-_BAD = re.compile("abort|fail|preempt|error|invalid|timeout|no_|not_|un", re.IGNORECASE)
+_SUCCESS = frozenset(
+    (
+        *("succeeded", "succeed", "success", "successful", "successfully", "done", "true", "valid", "finished"),
+        *("finish", "arrived", "ok", "okay", "yes", "complete", "completed", "found", "reached", "exhausted"),
+    )
+)
+
+
+_FAILURE = re.compile(
+    r"abort|cancel|error|exit|fail|false|invalid|lost|miss|never|no$|no_|none|not|over|preempt|quit|reject|stop|time|un|wrong"
+)
+
+
+_NEGATED = re.compile(r"no|not|un.+|fail.*|never")
+
+
+def says_success(outcome: str) -> bool:
+    """Tell whether an outcome is called after success."""
+    words = re.findall(r"[a-z]+", outcome.lower())
+    return any(word in _SUCCESS for word in words) and not any(_NEGATED.fullmatch(word) for word in words)
+
+
+def good_outcomes(outcomes: Iterable[str]) -> list[str]:
+    """Return those that are called after success; if none is, the first that isn't called after failure."""
+    labels = list(outcomes)
+    said = [outcome for outcome in labels if says_success(outcome)]
+    return said or [outcome for outcome in labels if not _FAILURE.search(outcome.strip().lower())][:1]
 
 
 class StandInState(State):
@@ -39,12 +65,13 @@ class StandInState(State):
         super().__init__(outcomes=list(dict.fromkeys(outcomes)) or ["succeeded"])
 
     def execute(self, ud: object) -> str:
-        """End with the first outcome whose name isn't bad."""
-        return _good(self.get_registered_outcomes())
+        """End well."""
+        return _well(self)
 
 
-def _good(outcomes: Iterable[str]) -> str:
-    return next((outcome for outcome in outcomes if not _BAD.search(outcome)), next(iter(outcomes)))
+def _well(state: State) -> str:
+    outcomes = state.get_registered_outcomes()
+    return next(iter((*good_outcomes(outcomes), *outcomes)))
 
 
 MOST_WAITS = 2000
@@ -93,7 +120,7 @@ def _going_on(state: Any, execute: Callable[..., Any], told: list[str], tell: Ca
             why = f"{type(error).__name__}: {error} ({place.filename.rpartition('/')[2]}:{place.lineno})"
         finally:
             _waits.left = before
-        outcome = _good(state.get_registered_outcomes())
+        outcome = _well(state)
         tell(f"outcome {outcome} of {type(state).__name__}: {why}")
         return outcome
 

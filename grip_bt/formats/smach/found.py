@@ -146,12 +146,19 @@ class ContainerInfo(StateInfo):
 
 
 class Job(BaseModel):
-    """A file to record; `given`: class or function, or empty for all -> parameter -> value; `builders`: if not all."""
+    """A file to record.
+
+    Attributes:
+        given: class or function, or empty for all -> parameter -> value.
+        builders: which ones to call, if not all.
+        answers: to what its import asks, in their order; what is asked after them is answered as is wanted.
+    """
 
     file: str
     root: str | None = None
     given: dict[str, dict[str, JsonValue]] = {}
     builders: list[str] | None = None
+    answers: list[bool] = []
 
 
 class Built(BaseModel):

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from grip_bt.formats.imported import generated_by, manifests_text
 from grip_bt.formats.names import free
+from grip_bt.nodes.dry_run import good_outcomes, says_success
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Meaning
 from grip_bt.task.catalog import Manifest
@@ -20,26 +21,6 @@ from .found import ContainerInfo, StateInfo, Way
 
 MODULE = "legacy"
 """How generated code calls the file that it comes from."""
-
-_SUCCESS = frozenset(
-    (
-        *("succeeded", "succeed", "success", "successful", "successfully", "done", "true", "valid", "finished"),
-        *("finish", "arrived", "ok", "okay", "yes", "complete", "completed", "found", "reached", "exhausted"),
-    )
-)
-
-
-_FAILURE = re.compile(
-    r"abort|cancel|error|exit|fail|false|invalid|lost|miss|never|no$|no_|none|not|over|preempt|quit|reject|stop|time|un|wrong"
-)
-
-
-_NEGATED = re.compile(r"no|not|un.+|fail.*|never")
-
-
-def _says_success(outcome: str) -> bool:
-    words = re.findall(r"[a-z]+", outcome.lower())
-    return any(word in _SUCCESS for word in words) and not any(_NEGATED.fullmatch(word) for word in words)
 
 
 class Meanings:
@@ -54,15 +35,14 @@ class Meanings:
     def of(self, outcomes: Iterable[str]) -> dict[str, Meaning]:
         """Return outcome -> what it means among these."""
         labels = list(outcomes)
-        good = {o for o in labels if o in self.success} or {o for o in labels if _says_success(o)}
-        good = good or set([o for o in labels if not _FAILURE.search(o.strip().lower())][:1])
+        good = {o for o in labels if o in self.success} or good_outcomes(labels)
         return {o: "success" if o in good else "failure" for o in labels}
 
     def guessed(self, outcomes: Iterable[str]) -> str:
         """Return the outcome that was taken for success, though nothing says so; empty where there is none."""
         means = self.of(outcomes)
         good = [o for o, meaning in means.items() if meaning == "success"]
-        return "" if not good or good[0] in self.success or _says_success(good[0]) else good[0]
+        return "" if not good or good[0] in self.success or says_success(good[0]) else good[0]
 
 
 MARK = generated_by("smach")

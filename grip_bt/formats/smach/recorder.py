@@ -181,9 +181,9 @@ def _code_of(file: Path, changed: int) -> CodeType:
 class FileRecorder:
     """Records a file of a workspace in the process that imports it, or what several files import first."""
 
-    def __init__(self, job: Job, answers: list[bool]):
+    def __init__(self, job: Job):
         self.finder, self.record, self.read = StandInFinder(), Record(), set[str]()
-        self.asking = Asking(answers)
+        self.asking = Asking(job.answers)
         self.recording = Recording(self.asking)
         self._about(job)
 
@@ -194,7 +194,7 @@ class FileRecorder:
     def recorded(self) -> Record:
         """Import the file, and call its builders."""
         self._prepare()
-        return self.rest(self.job, self.asking.given)
+        return self.rest(self.job)
 
     def warmed(self, names: list[str]) -> Warmed:
         """Import modules, which is how several files begin."""
@@ -205,14 +205,14 @@ class FileRecorder:
         failed = Record(runs=[run], read=sorted(self.read)) if run.error else None
         return Warmed(usable=usable, failed=failed, answers=run.answers, tried=self.modules.tried)
 
-    def rest(self, job: Job, answers: list[bool]) -> Record:
+    def rest(self, job: Job) -> Record:
         """Record a file that begins with what was imported here so far."""
         self._about(job)
         name = module_name(self.file)
         tracked_code.legacy_modules.add(name)
         sys.argv = stand_in("sys.argv", [job.file])  # type: ignore[assignment]
         self.modules.folders = list(dict.fromkeys((*self.workspace.folders, *self.modules.folders)))
-        self.asking.given, self.asking.over = answers, False
+        self.asking.given, self.asking.over = job.answers, False
         run, module = self._run("import", self.asking, self.recording, lambda: self._import(name))
         run.machines = list(self.recording.machines(job.file, None, vars(module) if module else {}))
         self.record.runs.append(run)
@@ -419,8 +419,9 @@ def record(job: Job, warm: WarmProcesses) -> Record:
     whole = Record()
 
     def once(given: list[bool]) -> Run:
-        text = warm.record(job, given) or in_child(
-            lambda: FileRecorder(job, given).recorded(), lambda words: Record(error=words), PATIENCE
+        job.answers = given
+        text = warm.record(job) or in_child(
+            lambda: FileRecorder(job).recorded(), lambda words: Record(error=words), PATIENCE
         )
         told = Record.model_validate_json(text)
         whole.error = whole.error or told.error

@@ -14,14 +14,15 @@ import signal
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from itertools import accumulate
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from pydantic import BaseModel
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.nodes.smach_source import LegacyFinder, module_name, package_of, read_source, workspace_of
+from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, package_of, read_source, workspace_of
 
 from .found import Job, Record
 
@@ -88,13 +89,6 @@ def seconds_used() -> float:
     return sum(used.ru_utime + used.ru_stime for used in every)
 
 
-class Request(BaseModel):
-    """A file for a warm process, and how to answer what its import asks."""
-
-    job: Job
-    answers: list[bool]
-
-
 class Warmed(BaseModel):
     """What the first imports did: what they were answered, and which modules they looked for, wherever they are.
 
@@ -108,21 +102,11 @@ class Warmed(BaseModel):
     tried: dict[str, str] = {}
 
 
-class Warmable(Protocol):
-    """Records files: imports what several of them do first, and goes on with one of them."""
-
-    def warmed(self, names: list[str]) -> Warmed:
-        """Import modules."""
-
-    def rest(self, job: Job, answers: list[bool]) -> Record:
-        """Record a file that begins with what was imported."""
-
-
 class _Warm:
     """A warm process, and the pipes to it."""
 
-    def __init__(self, recorder: Callable[[], Warmable], names: list[str], given: list[bool]):
-        self.given = given
+    def __init__(self, recorder: Callable[[Job], Any], names: list[str], job: Job):
+        self._given = job.answers
         (answers, answering), (asked, asking) = os.pipe(), os.pipe()
         self._process = os.fork()
         if self._process == 0:
@@ -130,7 +114,7 @@ class _Warm:
             os.close(answers)
             os.close(asking)
             try:
-                _serve(recorder(), names, asked, answering)
+                _serve(recorder(job), names, asked, answering)
             finally:
                 os._exit(0)
         os.close(answering)
@@ -143,10 +127,10 @@ class _Warm:
     def fits(self, answers: list[bool]) -> bool:
         """Tell whether it has answered as is to be answered."""
         same = all(one == other for one, other in zip(self.facts.answers, answers, strict=False))
-        return same and self.given == answers[: len(self.given)]
+        return same and self._given == answers[: len(self._given)]
 
-    def record(self, job: Job, answers: list[bool]) -> str:
-        self._asking.write(Request(job=job, answers=answers).model_dump_json() + "\n")
+    def record(self, job: Job) -> str:
+        self._asking.write(job.model_dump_json() + "\n")
         self._asking.flush()
         return self._answers.readline()
 
@@ -157,30 +141,30 @@ class _Warm:
         self._asking.close()
 
 
-def _serve(recorder: Warmable, names: list[str], asked: int, answering: int) -> None:
+def _serve(recorder: Any, names: list[str], asked: int, answering: int) -> None:
     with os.fdopen(asked) as requests, os.fdopen(answering, "w") as answers:
         answers.write(recorder.warmed(names).model_dump_json() + "\n")
         answers.flush()
         for line in requests:
-            request = Request.model_validate_json(line)
-            rest = lambda request=request: recorder.rest(request.job, request.answers)  # noqa: E731
+            rest = partial(recorder.rest, Job.model_validate_json(line))
             answers.write(in_child(rest, lambda words: Record(error=words), PATIENCE) + "\n")
             answers.flush()
 
 
 class WarmProcesses:
-    """The warm processes of a recording process; `recorder` makes what each of them works with."""
+    """The warm processes of a recording process; `recorder` makes the FileRecorder that each of them works with."""
 
-    def __init__(self, recorder: Callable[[Job, list[bool]], Warmable]):
+    def __init__(self, recorder: Callable[[Job], Any]):
         self._recorder = recorder
         self._begun: Counter[tuple[str, ...]] = Counter()
         self._warm: dict[tuple[str, ...], list[_Warm]] = {}
 
-    def record(self, job: Job, answers: list[bool]) -> str | None:
+    def record(self, job: Job) -> str | None:
         """Return the record of a file, as JSON; None where nothing is warm for it."""
-        file = Path(job.file)
-        names = first_imports(file, Path(job.root) if job.root else None)
-        keys = [(str(job.root), *names[: number + 1]) for number in range(len(names))]
+        file, answers = Path(job.file), job.answers
+        workspace = workspace_of(file, Path(job.root) if job.root else None)
+        names = first_imports(file, workspace)
+        keys = [(str(workspace.root), *names[: number + 1]) for number in range(len(names))]
         if not answers:
             self._begun.update(keys)
         key = next((key for key in reversed(keys) if self._begun[key] >= MANY), None)
@@ -188,7 +172,7 @@ class WarmProcesses:
             return None
         warm = next((each for each in self._warm.get(key, ()) if each.fits(answers)), None)
         if warm is None:
-            warm = _Warm(lambda: self._recorder(job, answers), list(key[1:]), answers)
+            warm = _Warm(self._recorder, list(key[1:]), job)
             self._warm.setdefault(key, []).append(warm)
         self._warm[key] = self._warm.pop(key)  # the last one that was wanted
         if len(self._warm) > MOST_WARM:
@@ -196,7 +180,7 @@ class WarmProcesses:
                 each.close()
         if not warm.facts.usable or not warm.fits(answers) or _finds_others(file, warm.facts.tried):
             return None
-        return warm.facts.failed.model_dump_json() if warm.facts.failed else warm.record(job, answers) or None
+        return warm.facts.failed.model_dump_json() if warm.facts.failed else warm.record(job) or None
 
     def close(self) -> None:
         """End them."""
@@ -211,9 +195,9 @@ def _finds_others(file: Path, tried: Mapping[str, str]) -> bool:
     return any(spec is not None and spec.origin != origin for spec, origin in found)
 
 
-def first_imports(file: Path, root: Path | None) -> list[str]:
+def first_imports(file: Path, workspace: Workspace) -> list[str]:
     """Return the modules of a file's workspace that are imported before any other code of it runs, in their order."""
-    finder, found = LegacyFinder(workspace_of(file, root).shared), list[str]()
+    finder, found = LegacyFinder(workspace.shared), list[str]()
     for name, parts in _imported_first(file):
         place: Any = None
         if _finds_others(

@@ -6,6 +6,7 @@ from smach_runs import record
 
 from grip_bt.formats.smach import sandbox
 from grip_bt.formats.smach.found import Run
+from grip_bt.nodes.smach_source import workspace_of
 
 LIBRARY = """
 import smach
@@ -57,9 +58,8 @@ def test_files_that_begin_alike_see_what_each_would_see_alone(tmp_path):
     for file, labels, more in [*zip(files, WANTED, "012345", strict=True), (own, ["A", "OF_ITS_OWN"], "0")]:
         (found,) = record(file, tmp_path).containers
         assert (list(found.added), found.verdict) == ([*labels, more], "exact")
-    assert sandbox.first_imports(files[1], tmp_path) == ["library"]
-    assert sandbox.first_imports(files[5], tmp_path) == ["names"]
-    assert sandbox.first_imports(own, tmp_path) == ["library"]
+    firsts = [sandbox.first_imports(file, workspace_of(file, tmp_path)) for file in (files[1], files[5], own)]
+    assert firsts == [["library"], ["names"], ["library"]]
 
 
 def test_what_only_waits_is_ended_long_before_its_time_is_over(monkeypatch):
