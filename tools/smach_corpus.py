@@ -9,11 +9,14 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 import time
 from collections import Counter
 from pathlib import Path
 
 from grip_bt.formats.smach import ImportedFile, import_files
+
+sys.path.remove(str(Path(__file__).resolve().parent))  # what is imported may import its own `packaging`, say
 
 _WIDTHS = "{:<44}{:>6}{:>9}{:>12}{:>7}{:>9}{:>8}{:>7}"
 

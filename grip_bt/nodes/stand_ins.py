@@ -299,7 +299,7 @@ class StandInModule(ModuleType):
         return made
 
 
-def _asked_by_a_library() -> bool:
+def asked_by_a_library() -> bool:
     """Tell whether an installed library imports something, which it can do without."""
     frame = sys._getframe(1)
     while frame.f_back is not None and (frame.f_code.co_name == "find_spec" or "importlib" in frame.f_code.co_filename):
@@ -329,7 +329,7 @@ class StandInFinder(MetaPathFinder, Loader):
         generated = fullname.partition(".")[2].split(".")[0] in ("msg", "srv", "action", "cfg")
         of_sources = generated and not any("-packages" in folder for folder in getattr(there, "__path__", ()))
         real = there is not None and not isinstance(there, StandInModule) and not of_sources
-        if package in sys.stdlib_module_names or real or _asked_by_a_library():
+        if package in sys.stdlib_module_names or real or asked_by_a_library():
             return None
         if package not in self.packages:
             self.packages.append(package)

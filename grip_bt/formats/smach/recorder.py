@@ -26,7 +26,7 @@ from grip_bt import smach_compat
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_construction import CONTAINERS, CaughtError, Construction
 from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, read_source, workspace_of
-from grip_bt.nodes.stand_ins import StandIn, StandInFinder, name_of, stand_in, stands_in
+from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, stands_in
 
 from . import tracked_code
 from .facts import facts_of, unwrapped
@@ -34,7 +34,7 @@ from .found import Built, Job, Record, Run, Told
 from .sandbox import BUILDER_PATIENCE, PATIENCE, Warmed, WarmProcesses, in_child, seconds_used
 from .surroundings import guard, ros_stand_ins, surround
 
-MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS = 48, 6, 6
+MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS = 100, 6, 6
 """In how many ways the questions of a builder, and those of an import, are answered; few, where all are too many."""
 MOST_QUESTIONS = 400
 _MEMORY = 4 << 30
@@ -374,7 +374,7 @@ class _TrackedFinder(LegacyFinder):
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
         top = fullname.partition(".")[0]
-        if top in sys.stdlib_module_names or top in sys.modules and path is None:
+        if top in sys.stdlib_module_names or (path is None and (top in sys.modules or asked_by_a_library())):
             return None
         if top in _ROS or top.endswith(_INTERFACES):  # never the real ones, nor a copy of smach_ros: they want a robot
             return self.finder.find_spec(fullname)

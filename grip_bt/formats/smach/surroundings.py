@@ -9,9 +9,11 @@ from __future__ import annotations
 import argparse
 import datetime
 import getpass
+import io
 import os
 import platform
 import random
+import shutil
 import socket
 import sys
 import time
@@ -32,6 +34,9 @@ from .found import FIXED_OUTCOMES
 from .tracked_code import SPECIAL, caller, is_tracked
 
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
+_written: set[str] = set()
+"""Files and folders that the program would have changed; what it reads of them isn't known any more."""
+_CHANGING = (os.mkdir, os.makedirs, os.remove, os.unlink, os.rmdir, os.rename, shutil.rmtree, shutil.copy, shutil.move)
 _REFUSED = (
     *("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.remove", "os.rename", "os.rmdir"),
     *("os.mkdir", "os.truncate", "os.chmod", "os.link", "os.symlink", "shutil.", "socket.connect", "socket.bind"),
@@ -56,7 +61,9 @@ def guard(workspace: Workspace, read: set[str]) -> None:
         path = os.path.abspath(arguments[0]) if isinstance(arguments[0], str) else ""
         if not path or path.endswith((".py", ".pyc", ".so")) or _importing():
             return
-        if (path + os.sep).startswith(own):
+        if _changed(path):
+            stand_ins.judge.note(f"the file {path}, which it changes")
+        elif (path + os.sep).startswith(own):
             read.add(os.path.relpath(path, own))
         elif not path.startswith(python):
             stand_ins.judge.note(f"the file {path}")
@@ -84,6 +91,9 @@ def surround(workspace: Workspace) -> None:
     for name in ("exists", "isfile", "isdir"):
         there = getattr(os.path, name)
         SPECIAL[there] = partial(_outside, there, name, str(workspace.root))
+    for function in _CHANGING:
+        SPECIAL[function] = _change
+    SPECIAL[open] = _opened
     SPECIAL[os.getenv] = lambda key, default=None: stand_in(f"${key}", os.getenv(key, default))
     SPECIAL[input] = lambda *given: stand_in("input()")
     SPECIAL[time.sleep] = lambda seconds: None
@@ -107,6 +117,25 @@ _SEEN: dict[Any, tuple[str, ...]] = {
 }
 
 
+def _change(*paths: Any, **named: Any) -> None:
+    """Change nothing, and keep what would be changed."""
+    named_here = (path for path in paths if isinstance(path, (str, os.PathLike)) and not stands_in(path))
+    _written.update(os.path.abspath(path) for path in named_here)
+
+
+def _changed(path: str) -> bool:
+    return any(f"{each}{os.sep}".startswith(f"{path}{os.sep}") for each in _written)
+
+
+def _opened(path: Any, mode: Any = "r", *rest: Any, **named: Any) -> Any:
+    if not stands_in(mode) and set("wax+") & {*mode}:
+        _change(path)
+        return io.BytesIO() if "b" in mode else io.StringIO()
+    return (
+        lifted(open, name_of(path), path, mode, *rest, **named) if stands_in(path) else open(path, mode, *rest, **named)
+    )
+
+
 def _by_chance(function: Callable[..., Any], name: str, *arguments: Any, **named: Any) -> Any:
     stand_ins.judge.note(name)
     return function(*arguments, **named)
@@ -116,7 +145,8 @@ def _outside(function: Callable[[Any], bool], name: str, root: str, path: Any) -
     if stands_in(path):
         return lifted(function, name_of(path), path)
     there = function(path)
-    return there if os.path.abspath(path).startswith(root) else stand_in(f"os.path.{name}({str(path)!r})", there)
+    known = os.path.abspath(path).startswith(root) and not _changed(os.path.abspath(path))
+    return there if known else stand_in(f"os.path.{name}({str(path)!r})", there)
 
 
 def _is_legacy_caller() -> bool:

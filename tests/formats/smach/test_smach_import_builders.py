@@ -108,6 +108,26 @@ def build():
 """
 
 
+LOGGED = """
+import os
+import rospy
+
+FOLDER = os.path.join(os.path.dirname(__file__), 'logs')
+
+
+def build():
+    os.makedirs(FOLDER)
+    os.mkdir(os.path.join(rospy.get_param('~home', '/home/robot'), 'logs'))
+    with open(os.path.join(FOLDER, 'run.txt'), 'w') as file:
+        file.write('built')
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        smach.StateMachine.add('A', Step())
+    return sm
+"""
+READ_AGAIN = LOGGED.replace("'A', Step()", "'A' if os.path.isdir(FOLDER) else 'B', Step()")
+
+
 @pytest.mark.parametrize(
     ("text", "verdicts"),
     [
@@ -119,10 +139,13 @@ def build():
         (UNPACKED, ["exact"]),
         (ASKED_OFTEN, ["exact"]),
         (TOO_OFTEN, ["partial"]),
+        (LOGGED, ["exact"]),
+        (READ_AGAIN, ["partial"]),
     ],
     ids=[
         *("a state with a machine", "filled by a method", "a kind of container", "a set", "labels of a set"),
         *("unpacked", "one question often", "more questions than are tried after a first try that raises"),
+        *("what is written", "what is written and looked for"),
     ],
 )
 def test_what_is_built_is_found_and_is_exact_where_nothing_decides(text, verdicts, tmp_path):
