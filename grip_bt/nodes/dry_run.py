@@ -24,7 +24,7 @@ from grip_bt import smach_compat
 from grip_bt.smach_compat import Container, State, smach_ros
 from grip_bt.smach_compat.smach_ros._port import Ros
 
-from .stand_ins import StandInFinder, StandInModule, name_of, stand_in, stands_in
+from .stand_ins import StandInFinder, StandInModule, name_of, stand_in, stands_in, unwrapped
 
 _SUCCESS = frozenset(
     (
@@ -110,8 +110,8 @@ def _going_on(state: Any, execute: Callable[..., Any], told: list[str], tell: Ca
         before, _waits.left = getattr(_waits, "left", None), MOST_WAITS
         try:
             outcome = execute(*given)
-            if not stands_in(outcome):
-                return outcome
+            if not stands_in(outcome) or unwrapped(outcome) in state.get_registered_outcomes():
+                return unwrapped(outcome)
             why = f"it returned {name_of(outcome)}"
         except Exception as error:
             if isinstance(error, NameError) or not told:
@@ -158,7 +158,7 @@ def dry_run(tell: Callable[[str], object]) -> Iterator[None]:
             tell(what)
 
     def begun(state: Any, *arguments: Any, **named_ones: Any) -> None:
-        begin(state, *arguments, **named_ones)
+        begin(state, *map(unwrapped, arguments), **{key: unwrapped(value) for key, value in named_ones.items()})
         if not isinstance(state, Container):
             state.execute = _going_on(state, state.execute, told, named)
 

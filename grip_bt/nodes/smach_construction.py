@@ -16,7 +16,7 @@ from typing import Any
 from grip_bt import smach_compat
 from grip_bt.nodes.dry_run import StandInState
 from grip_bt.nodes.smach_source import prepare_imports, read_source
-from grip_bt.nodes.stand_ins import stands_in
+from grip_bt.nodes.stand_ins import stands_in, unwrapped
 from grip_bt.smach_compat import Container, State
 
 CONTAINERS = (smach_compat.StateMachine, smach_compat.Sequence, smach_compat.Concurrence, smach_compat.Iterator)
@@ -89,7 +89,8 @@ class Construction:
         """Return what is added, and how, in the place of what the code says."""
         if stands_in(state):
             state = StandInState(label, named.get("transitions", rest[0] if rest else None))
-        return label, state, rest, named
+        named = {key: unwrapped(value) for key, value in named.items()}
+        return unwrapped(label), state, tuple(map(unwrapped, rest)), named
 
     def _adding(self, add: Callable[..., Any]) -> Callable[..., Any]:
         def adding(label: Any, state: Any, *rest: Any, **named: Any) -> Any:

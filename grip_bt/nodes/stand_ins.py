@@ -263,6 +263,19 @@ def value_of(value: object) -> Any:
     return value
 
 
+def unwrapped(value: Any, told: Callable[[str, Any], object] = lambda name, held: None) -> Any:
+    """Return a label, or a list or mapping of them, without stand-ins; `told` hears of each, and of what it holds."""
+    if stands_in(value) and not isinstance(value, type):
+        held = value_of(value)
+        told(name_of(value), held)
+        return f"<{name_of(value)}>" if held is UNKNOWN else held
+    if isinstance(value, (list, tuple)):
+        return [unwrapped(each, told) for each in value]
+    if isinstance(value, dict) and any(stands_in(each) for pair in value.items() for each in pair):
+        return {unwrapped(key, told): unwrapped(each, told) for key, each in value.items()}
+    return value
+
+
 def lifted(work: Callable[..., Any], name: str, *arguments: object, **named: object) -> Any:
     """Return what a function makes of stand-ins: one that holds the result, or one that nobody knows."""
     given = [value_of(each) for each in arguments]

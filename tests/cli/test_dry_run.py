@@ -18,7 +18,7 @@ import numpy
 import rospy
 import smach
 import smach_ros
-from robot_of_ours.arms import Arm, Rest
+from robot_of_ours.arms import NOT_SEEN, Arm, Rest
 from robot_of_ours.msg import LiftAction, LiftGoal
 from robot_of_ours.srv import Weigh
 
@@ -48,12 +48,12 @@ class Aimed(smach.State):
 
 class Watched(smach.State):
     def __init__(self):
-        smach.State.__init__(self, outcomes=["not_seen", "seen"])
+        smach.State.__init__(self, outcomes=[NOT_SEEN, "seen"])
 
     def execute(self, userdata):
         while not rospy.is_shutdown():
             pass
-        return "not_seen"
+        return NOT_SEEN
 
 
 def build():
@@ -62,7 +62,7 @@ def build():
         smach.StateMachine.add("REST", Rest(), {"failed": "aborted", "rested": "WEIGH"})
         smach.StateMachine.add("WEIGH", Weighed(), {"light": "AIM", "heavy": "aborted"})
         smach.StateMachine.add("AIM", Aimed(), {"lost": "aborted", "aimed": "WATCH"})
-        smach.StateMachine.add("WATCH", Watched(), {"not_seen": "aborted", "seen": "LIFT"})
+        smach.StateMachine.add("WATCH", Watched(), {NOT_SEEN: "aborted", "seen": "LIFT"})
         smach.StateMachine.add("LIFT", smach_ros.SimpleActionState("lift", LiftAction, goal=LiftGoal(speed=1)))
     return sm
 """
@@ -123,7 +123,7 @@ MANIFEST = """
 - id: smach/legacy/Watch
   doc: Watches.
   implementation: leaves.py:Watch
-  outcomes: {not_seen: failure, seen: success}
+  outcomes: {_robot_of_ours_arms_NOT_SEEN_: failure, seen: success}
 - id: smach/legacy/Lift
   doc: Lifts.
   implementation: leaves.py:Lift
@@ -142,7 +142,7 @@ root:
     REST: {node: smach/legacy/Rest, on: {failed: aborted, rested: WEIGH}}
     WEIGH: {node: smach/legacy/Weigh, out: {weight: weight}, on: {light: AIM, heavy: aborted}}
     AIM: {node: smach/legacy/Aim, on: {lost: aborted, aimed: WATCH}}
-    WATCH: {node: smach/legacy/Watch, on: {not_seen: aborted, seen: LIFT}}
+    WATCH: {node: smach/legacy/Watch, on: {_robot_of_ours_arms_NOT_SEEN_: aborted, seen: LIFT}}
     LIFT: {node: smach/legacy/Lift, on: {succeeded: succeeded, aborted: aborted, preempted: preempted}}
 """
 STOOD_IN_FOR = ["action /lift", "package robot_of_ours", "parameter /arm/side", "service /weigh"]

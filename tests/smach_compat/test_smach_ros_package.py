@@ -2,12 +2,14 @@
 
 import subprocess
 import sys
+from types import ModuleType
 
 import pytest
 import ros1_messages
 
 from grip_bt import smach_compat
-from grip_bt.smach_compat import UserData, smach_ros
+from grip_bt.nodes.stand_ins import stand_in
+from grip_bt.smach_compat import UserData, ros1, smach_ros
 from grip_bt.smach_compat.exceptions import InvalidStateError, InvalidUserCodeError
 from grip_bt.smach_compat.ros1 import rospy
 from grip_bt.smach_compat.smach_ros._port import Ros
@@ -24,6 +26,39 @@ def ros():
     smach_ros.use(connection)
     yield connection
     smach_ros.use(None)
+
+
+class Stamped:
+    """A message as ROS 2 generates them, which checks its fields."""
+
+    KINDS = {"x": "double", "count": "uint8", "name": "string", "there": "boolean", "path": "sequence<double>"}
+
+    def __init__(self, **fields):
+        for name, kind in self.KINDS.items():
+            setattr(self, name, fields.get(name, [] if "<" in kind else {"string": "", "double": 0.0}.get(kind, 0)))
+
+    @classmethod
+    def get_fields_and_field_types(cls):
+        return dict(cls.KINDS)
+
+    @property
+    def x(self):
+        return self._x
+
+    @x.setter
+    def x(self, value):
+        assert isinstance(value, float), "must be of type 'float'"
+        self._x = value
+
+
+def test_fields_take_whole_numbers_for_floats_and_stand_ins_for_anything():
+    module = ModuleType("kitchen_msgs.msg")
+    module.Stamped = type("Stamped", (Stamped,), {})
+    ros1.give_names(module)
+    assert module.Stamped(1, 2, "a", True, [1.0]).x == 1.0
+    unknown = stand_in("arm.state")
+    made = module.Stamped(unknown, unknown, unknown, unknown, unknown)
+    assert vars(made) == {"_x": 0.0, "count": 0, "name": "", "there": True, "path": []}
 
 
 @pytest.mark.parametrize(("profile", "more"), [("noetic", set()), ("ros2", {"RosState"})])

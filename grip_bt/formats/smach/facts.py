@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from types import LambdaType
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 from grip_bt import smach_compat
 from grip_bt.formats.names import is_literal
 from grip_bt.nodes.smach_construction import CONTAINERS, Construction
-from grip_bt.nodes.stand_ins import UNKNOWN, name_of, stands_in, value_of
+from grip_bt.nodes.stand_ins import name_of, stands_in
 
 from .found import Child, ContainerInfo, Span, StateInfo, Value
 
@@ -131,16 +130,3 @@ def literal(value: object) -> Value:
     if stands_in(plain):
         return Value(opaque=name_of(plain))
     return Value(value=plain) if is_literal(plain) else Value(opaque=type(value).__name__)
-
-
-def unwrapped(value: Any, told: Callable[[str, Any], None]) -> Any:
-    """Return a label, or a list or mapping of them, without stand-ins; `told` hears of each, and of what it holds."""
-    if stands_in(value) and not isinstance(value, type):
-        held = value_of(value)
-        told(name_of(value), held)
-        return f"<{name_of(value)}>" if held is UNKNOWN else held
-    if isinstance(value, (list, tuple)):
-        return [unwrapped(each, told) for each in value]
-    if isinstance(value, dict) and any(stands_in(each) for pair in value.items() for each in pair):
-        return {unwrapped(key, told): unwrapped(each, told) for key, each in value.items()}
-    return value

@@ -26,10 +26,10 @@ from grip_bt import smach_compat
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_construction import CONTAINERS, CaughtError, Construction
 from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, read_source, workspace_of
-from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, stands_in
+from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, stands_in, unwrapped
 
 from . import tracked_code
-from .facts import facts_of, unwrapped
+from .facts import facts_of
 from .found import Built, Job, Record, Run, Told
 from .sandbox import BUILDER_PATIENCE, PATIENCE, Warmed, WarmProcesses, in_child, seconds_used
 from .surroundings import guard, ros_stand_ins, surround

@@ -102,16 +102,17 @@ def _by_position(message: Any) -> Any:
     return message
 
 
+_NUMBERS: dict[str, Any] = {"float": float, "double": float}
+_NUMBERS |= {f"{sign}int{bits}": int for sign in ("", "u") for bits in (8, 16, 32, 64)}
+
+
 def _as_field(kind: str, value: Any) -> Any:
     """Return what a field is given as ROS 2 takes it; a stand-in as what a field has at first, or as its number."""
-    number = float if kind in ("float", "double") else int if kind.removeprefix("u").startswith("int") else None
+    number = _NUMBERS.get(kind)
     if stands_in(value):
-        if number is None or kind.endswith("]"):
-            return _at_first(kind) if kind else value
-        return number(value)
-    if number is float and isinstance(value, numbers.Real) or number is int and isinstance(value, numbers.Integral):
-        return number(value)
-    return value
+        return number(value) if number is not None else _at_first(kind) if kind else value
+    wanted = numbers.Real if number is float else numbers.Integral
+    return number(value) if number is not None and isinstance(value, wanted) else value
 
 
 def _at_first(kind: str) -> Any:
