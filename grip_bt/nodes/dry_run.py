@@ -11,6 +11,7 @@ import re
 import sys
 import threading
 import traceback
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.machinery import ModuleSpec
@@ -74,8 +75,12 @@ def _well(state: State) -> str:
     return next(iter((*good_outcomes(outcomes), *outcomes)))
 
 
-MOST_WAITS = 2000
-"""How often a state may wait, or look whether it should go on, in one execution."""
+MOST_WAITS, LATER_WAITS, LONGEST_WAIT = 2000, 100, 3.0
+"""How often a state may wait, or look whether it should go on, in its first execution and in later ones; and how long
+for an Event in the first [s]."""
+MOST_ALIKE = 100
+"""How often a state ends with the same outcome, before it takes one that it hasn't ended with."""
+_IN_VAIN = "it waits for something that doesn't happen here"
 _waits = threading.local()
 
 
@@ -83,35 +88,65 @@ class WaitingError(Exception):
     """A state waits without end."""
 
 
+def _look() -> None:
+    if getattr(_waits, "left", None) is not None:
+        _waits.left -= 1
+        if _waits.left < 0:
+            raise WaitingError(_IN_VAIN)
+
+
+def _waiting(wait: Callable[..., bool]) -> Callable[..., bool]:
+    """Return `threading.Event.wait`, which a state doesn't wait for long."""
+
+    def waiting(event: threading.Event, timeout: float | None = None) -> bool:
+        by_threading = sys._getframe(1).f_code.co_filename == threading.__file__  # a thread that begins
+        if by_threading or getattr(_waits, "left", None) is None:
+            return wait(event, timeout)
+        _look()
+        most = LONGEST_WAIT * _waits.left / MOST_WAITS
+        given = most if timeout is None else min(float(timeout), most)
+        came = wait(event, given)
+        if not came and timeout is None:
+            raise WaitingError(_IN_VAIN)
+        _waits.left -= 0 if came else MOST_WAITS * given / LONGEST_WAIT
+        return came
+
+    return waiting
+
+
 class _ImpatientRos(Ros):
     """What a dry run has for ROS."""
 
     def sleep(self, seconds: float) -> None:
-        self._look()
+        _look()
         super().sleep(seconds)
 
     def is_shutdown(self) -> bool:
-        self._look()
+        _look()
         return super().is_shutdown()
-
-    @staticmethod
-    def _look() -> None:
-        if getattr(_waits, "left", None) is not None:
-            _waits.left -= 1
-            if _waits.left < 0:
-                raise WaitingError("it waits for something that doesn't happen here")
 
 
 def _going_on(state: Any, execute: Callable[..., Any], told: list[str], tell: Callable[[str], object]) -> Any:
     """Return a state's `execute`, which ends well where a stand-in keeps it from going on."""
+    ends = Counter[str]()
+
+    def ended(outcome: Any, why: str = "") -> Any:
+        ends[str(outcome)] += 1
+        if told and ends[str(outcome)] > MOST_ALIKE:
+            outcomes = state.get_registered_outcomes()
+            unused = (each for each in (*good_outcomes(outcomes), *outcomes) if not ends[each])
+            why, outcome = f"it has ended {MOST_ALIKE} times with {outcome}", next(unused, outcome)
+        if why:
+            tell(f"outcome {outcome} of {type(state).__name__}: {why}")
+        return outcome
 
     @functools.wraps(execute)
     def executed(*given: Any) -> Any:
-        before, _waits.left = getattr(_waits, "left", None), MOST_WAITS
+        before, _waits.left = getattr(_waits, "left", None), LATER_WAITS if ends else MOST_WAITS
         try:
             outcome = execute(*given)
             if not stands_in(outcome) or unwrapped(outcome) in state.get_registered_outcomes():
-                return unwrapped(outcome)
+                return ended(unwrapped(outcome))
             why = f"it returned {name_of(outcome)}"
         except Exception as error:
             if isinstance(error, NameError) or not told:
@@ -120,9 +155,7 @@ def _going_on(state: Any, execute: Callable[..., Any], told: list[str], tell: Ca
             why = f"{type(error).__name__}: {error} ({place.filename.rpartition('/')[2]}:{place.lineno})"
         finally:
             _waits.left = before
-        outcome = _well(state)
-        tell(f"outcome {outcome} of {type(state).__name__}: {why}")
-        return outcome
+        return ended(_well(state), why)
 
     return executed
 
@@ -167,7 +200,11 @@ def dry_run(tell: Callable[[str], object]) -> Iterator[None]:
     smach_ros.use(_ImpatientRos(stand_in, named))
     sys.meta_path.append(finder)
     try:
-        with mock.patch.object(Composite, "add_child", added), mock.patch.object(State, "__init__", begun):
+        with (
+            mock.patch.object(Composite, "add_child", added),
+            mock.patch.object(State, "__init__", begun),
+            mock.patch.object(threading.Event, "wait", _waiting(threading.Event.wait)),
+        ):
             yield
     finally:
         sys.meta_path.remove(finder)

@@ -4,10 +4,12 @@ import importlib
 import re
 import subprocess
 import sys
+import threading
 
 import pytest
 
 from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.nodes import dry_run as dry_run_module
 from grip_bt.nodes.dry_run import dry_run
 from grip_bt.nodes.smach_source import LegacyFinder, LegacySubmodules
 from grip_bt.nodes.stand_ins import StandInFinder
@@ -202,6 +204,40 @@ def test_a_mistake_of_a_states_own_stays_one_where_nothing_is_stood_in_for(capsy
     assert told[0] == "package package_of_nobody"
     assert told[1].startswith("outcome done of Mistaken: ZeroDivisionError")
     assert type(state).execute is Mistaken.execute
+
+
+def test_a_state_that_waits_for_an_event_in_vain_ends_and_others_wait_as_always(monkeypatch):
+    monkeypatch.setattr(dry_run_module, "LONGEST_WAIT", 0.01)
+    told = []
+    with dry_run(told.append):
+        importlib.import_module("package_of_nobody")
+        state = Waiting(outcomes=["timed_out", "opened"])
+        assert state.execute(None) == "opened"
+        threading.Timer(0.05, state.opened.set).start()
+        assert state.opened.wait()
+    assert told[1].startswith("outcome opened of Waiting: WaitingError")
+
+
+def test_a_state_that_ends_alike_without_end_takes_another_outcome():
+    told = []
+    with dry_run(told.append):
+        importlib.import_module("package_of_nobody")
+        state = Closed(outcomes=["closed", "opened"])
+        ends = [state.execute(None) for _ in range(dry_run_module.MOST_ALIKE + 1)]
+    assert ends == ["closed"] * dry_run_module.MOST_ALIKE + ["opened"]
+    assert told[1] == "outcome opened of Closed: it has ended 100 times with closed"
+
+
+class Closed(State):
+    def execute(self, userdata):
+        return "closed"
+
+
+class Waiting(State):
+    def execute(self, userdata):
+        self.opened = threading.Event()
+        self.opened.wait()
+        return "timed_out"
 
 
 class Mistaken(State):
