@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.app.runs.mocks import MockStep, scripted
+from grip_bt.app.runs.verdict import Verdict
 from grip_bt.base.values import JointState, PointCloud
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.kinematics.model import RobotModel
@@ -163,6 +164,7 @@ def run(form, folder, **mocks):
     ends = Ends()
     with open_session(PROJECT / "tasks" / "unscrew.yaml", options) as session:
         session.runner.observe(ends)
+        Verdict(session)  # whose goal names what only a simulated world has
         result = session.runner.run()
     assert result.status != "error", result.error
     return result.outcome, ends.seen

@@ -33,7 +33,7 @@ class Verdict(Observer):
         self._regions = tuple(region.name for region in spec.regions)
         condition = partial(WorldCondition, regions=self._regions, measures=spec.measures)
         name, file = session.document.task.name, str(session.project.folder / "grip.yaml")
-        goal = session.project.file.goals.get(name, "")
+        goal = session.project.file.goals.get(name, "") if self._referee is not None else ""  # it may name its measures
         self._goal = condition(goal, where=f"goals/{name}", file=file) if goal else None
         world = f"world {session.project.file.world}"
         self._judge = {n: condition(text, where=f"judge/{n}", file=world) for n, text in spec.judge.items()}
