@@ -16,7 +16,6 @@ from grip_bt.app.runs.execute import make_room
 from grip_bt.app.runs.export import export_run
 from grip_bt.app.runs.replay import (
     Until,
-    coverage,
     events_of,
     find_run,
     journal_of,
@@ -37,12 +36,11 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
     add("what", nargs="?", default=".", help="the project or a file in it; or a run's id, or `last`")
     add("--journal", type=Path, metavar="FILE", help="another journal")
     add("--json", action="store_true", help="print JSON")
-    add("--to", choices=("jsonl", "csv", "mcap", "rerun"), help="export the run; Foxglove opens mcap")
+    add("--to", choices=("jsonl", "csv", "mcap"), help="export the run; Foxglove opens mcap")
     add("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--data", action="store_true", help="show the last value of each variable that the run wrote")
     what.add_argument("--timing", action="store_true", help="show how long the nodes of the run took")
-    add("--coverage", type=Path, metavar="TASK", help="show which outcomes of a task its runs have reached")
     doc = "remove the oldest runs that have ended until the journal holds no more, such as 500MB (default: its limit)"
     add("--prune", nargs="?", const="", metavar="SIZE", help=doc)
 
@@ -54,8 +52,6 @@ def run_runs(args: argparse.Namespace) -> int:
         args.usage_error("--to and -o go together: grip runs RUN --to mcap -o FILE")
     place = Path(args.what)
     one = args.to is not None or args.data or args.timing or not place.exists()
-    if args.coverage is not None and args.what == ".":
-        place = args.coverage
     home = find_project(Path() if one and not place.exists() else place).folder
     journal = args.journal or home / ".grip" / "runs.sqlite"
     if not journal.is_file():
@@ -63,18 +59,15 @@ def run_runs(args: argparse.Namespace) -> int:
             raise UnknownNameError("run", args.what, [], f"{journal}: there are no runs yet")
         return _no_runs(args, journal)
     with JournalReader(journal) as reader:
-        if args.coverage is not None:
-            _coverage(reader, args.coverage, args.json)
+        run = find_run(reader, "last" if place.exists() else args.what) if one else None
+        if run is not None and args.to is not None:
+            print(f"{args.output}: {export_run(reader, run, args.output, args.to)} events of run {run}")
+        elif run is not None and args.timing:
+            _timing(reader, run, args.json)
+        elif run is not None and args.data:
+            _data(reader, run, args.json)
         else:
-            run = find_run(reader, "last" if place.exists() else args.what) if one else None
-            if run is not None and args.to is not None:
-                print(f"{args.output}: {export_run(reader, run, args.output, args.to)} events of run {run}")
-            elif run is not None and args.timing:
-                _timing(reader, run, args.json)
-            elif run is not None and args.data:
-                _data(reader, run, args.json)
-            else:
-                _list(reader, args.json, run)
+            _list(reader, args.json, run)
     return 0
 
 
@@ -118,14 +111,6 @@ def _timing(reader: JournalReader, run: str, as_json: bool) -> None:
         times = f"{row.total:>11.4f} {row.median:>11.4f} {row.max:>11.4f}"
         lines.append(f"{row.path:<{width}}  {row.count:>6} {row.interrupted:>6} {times}")
     tell(as_json, [asdict(row) for row in rows], lines)
-
-
-def _coverage(reader: JournalReader, task: Path, as_json: bool) -> None:
-    found = coverage(reader, str(task))
-    runs = f"{found['runs']} run{'s' if found['runs'] != 1 else ''}"
-    lines = [f"{found['outcomes_seen']} of {found['outcomes']} outcomes seen in {runs} of {task}"]
-    lines += [f"  never seen: {path}: {', '.join(outcomes)}" for path, outcomes in found["missing"].items()]
-    tell(as_json, found, lines)
 
 
 def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> None:

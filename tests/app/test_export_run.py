@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import csv
 import json
-import subprocess
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -16,6 +15,7 @@ import pytest
 from mcap.reader import make_reader
 
 from grip_bt.app.runs.export import COLUMNS, FORMATS, export_run
+from grip_bt.app.runs.motion_record import motion_file
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import CameraInfo, DepthImage, Failure, Grasp, Image, PointCloud, Pose, RgbdFrame
 from grip_bt.cli.__main__ import main
@@ -122,7 +122,7 @@ def test_unknown_formats_and_runs_are_named_with_those_that_exist(book: tuple[Pa
             export_run(reader, "nope", tmp_path / "x", "csv")
 
 
-@pytest.mark.parametrize("to", sorted({*FORMATS} - {"rerun"}))
+@pytest.mark.parametrize("to", sorted(FORMATS))
 def test_the_command_exports_a_run_by_id_beginning_or_last(
     to: str, book: tuple[Path, str], tmp_path: Path, capsys: Any
 ) -> None:
@@ -137,22 +137,58 @@ def test_the_command_exports_a_run_by_id_beginning_or_last(
 def test_a_recording_without_its_library_says_what_brings_it(
     book: tuple[Path, str], tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for to, module, extra in (("mcap", "mcap.writer", "recording"), ("rerun", "rerun", "rerun")):
-        monkeypatch.setitem(sys.modules, module, None)
-        assert main(["runs", "last", "--journal", str(book[0]), "--to", to, "-o", str(tmp_path / "out")]) == 1
-        assert f"pip install 'grip-bt[{extra}]'" in capsys.readouterr().err
+    monkeypatch.setitem(sys.modules, "mcap.writer", None)
+    assert main(["runs", "last", "--journal", str(book[0]), "--to", "mcap", "-o", str(tmp_path / "out")]) == 1
+    assert "pip install 'grip-bt[recording]'" in capsys.readouterr().err
 
 
-def test_a_rerun_recording_holds_what_was_written_and_where_nodes_were(book: tuple[Path, str], tmp_path: Path) -> None:
-    pytest.importorskip("rerun", reason="its viewer is half a gigabyte; `make packaging` runs this with it")
-    file = tmp_path / "run.rrd"
-    assert main(["runs", "last", "--journal", str(book[0]), "--to", "rerun", "-o", str(file)]) == 0
-    rerun = [sys.executable, "-m", "rerun_cli", "rrd"]
-    assert subprocess.run([*rerun, "verify", file], capture_output=True).returncode == 0
-    told = subprocess.run([*rerun, "stats", file], capture_output=True, text=True, check=True).stdout
-    entities = {line.strip().partition(":")[0] for line in told.splitlines() if line.startswith("/")}
-    assert {"/task", "/log", "/world", "/nodes/task", "/data/frame/image", "/data/frame/depth"} <= entities
-    assert {"/world/data/cloud", "/world/data/pose", "/world/data/grasps", "/data/count"} <= entities
+URDF = """<robot name="r"><link name="base"/><link name="tool"/>
+<joint name="turn" type="revolute"><parent link="base"/><child link="tool"/><origin xyz="0 0 0.5"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_a_recording_draws_the_robot_and_the_scene_as_they_moved(
+    book: tuple[Path, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, run = book
+    (tmp_path / "r.urdf").write_text(URDF)
+    (tmp_path / "grip.yaml").write_text("grip: 1\nrobot: r.urdf\n")
+    here = {"at": [0.5, 0, 0.1, 1, 0, 0, 0], "hand": "", "fixed": False}
+    points, triangles = np.eye(3, dtype="<f4"), np.array([0, 1, 2], "<u4")
+    bodies = {"b": {"points": base64.b64encode(points).decode(), "triangles": base64.b64encode(triangles).decode()}}
+    things = {
+        "bin": {"kind": "box", "size": [0.1, 0.2, 0.3], **here},
+        "can": {"kind": "cylinder", "size": [0.03, 0.1], **here},
+        "mug": {"kind": "mesh", "size": [1, 1, 1], "body": "b", **here},
+        "heap": {"kind": "cells", "size": [0.01], "body": "b", **here},
+    }
+    ball = {"ball": {"kind": "sphere", "size": [0.02], **here, "fixed": True}}
+    lines = [{"parts": {"arm": ["turn"]}}, {"t": 0.25, "q": {"arm": [0.0]}, "scene": things, "bodies": bodies}]
+    lines.append({"t": 0.5, "q": {"arm": [np.pi / 2]}, "scene": {"bin": things["bin"], **ball}})
+    motion = motion_file(file, run)
+    motion.parent.mkdir()
+    motion.write_text("\n".join(map(json.dumps, lines)))
+    with JournalReader(file) as reader:
+        monkeypatch.chdir(tmp_path)  # where its task is
+        export_run(reader, run, tmp_path / "run.mcap", "mcap")
+    found = read_mcap(tmp_path / "run.mcap")
+    assert "<robot" in found["/robot_description", "grip.Text"][0]["data"]
+    first, second = found["/tf", "foxglove.FrameTransforms"]
+    (tool,) = (each for each in second["transforms"] if each["child_frame_id"] == "tool")
+    assert tool["translation"] == {"x": 0, "y": 0, "z": 0.5}
+    assert tool["rotation"]["z"] == pytest.approx(np.sqrt(0.5))
+    assert first["transforms"] != second["transforms"]
+    before, after = found["/grip/scene", "foxglove.SceneUpdate"]
+    parts = {
+        each["id"]: {kind: each[kind] for kind in ("cubes", "cylinders", "triangles") if each[kind]}
+        for each in before["entities"]
+    }
+    assert parts["bin"]["cubes"][0]["size"] == {"x": 0.1, "y": 0.2, "z": 0.3}
+    assert parts["can"]["cylinders"][0]["size"] == {"x": 0.06, "y": 0.06, "z": 0.1}
+    assert parts["mug"]["triangles"][0]["indices"] == [0, 1, 2]
+    assert len(parts["heap"]["cubes"]) == 3
+    assert [each["id"] for each in after["entities"]] == ["ball"]
+    assert {each["id"] for each in after["deletions"]} == {"can", "mug", "heap"}
 
 
 def test_the_command_shows_the_last_values(book: tuple[Path, str], capsys: Any) -> None:

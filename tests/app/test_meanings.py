@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from grip_bt.app.runs.export import _line
+from grip_bt.app.runs.export_mcap import _line
 from grip_bt.app.runs.replay import ENDS, line_of
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.runtime import Event, Journal, JournalReader, ManualClock, RunContext, Runner

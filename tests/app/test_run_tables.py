@@ -1,4 +1,4 @@
-"""Times, reasons and coverage out of journals, as the commands show them."""
+"""Times and reasons out of journals, as the commands show them."""
 
 from __future__ import annotations
 
@@ -61,25 +61,6 @@ def test_the_summary_of_a_run_says_why_leaves_failed_though_the_task_recovered(t
     said, *reasons = capfd.readouterr().out.splitlines()
     assert said.startswith("success: success; ")
     assert reasons == ["    2x both/look: time_out: mocked", "    2x both/other: tired"]
-
-
-def test_coverage_grows_with_runs_and_names_what_is_missing(task: str, capfd) -> None:
-    assert main(["run", task, "--mock", "both/look=success", "--json"]) == 0
-    capfd.readouterr()
-    assert main(["runs", "--coverage", task]) == 0
-    assert capfd.readouterr().out.splitlines() == [
-        f"3 of 7 outcomes seen in 1 run of {task}",
-        "  never seen: /: failure",
-        "  never seen: both: failure",
-        "  never seen: both/look: failure",
-        "  never seen: both/other: failure",
-    ]
-    assert main(["run", task, "--mock", "both/look=failure.time_out", "--json"]) == 3
-    capfd.readouterr()
-    assert main(["runs", "--coverage", task, "--json"]) == 0
-    found = json.loads(capfd.readouterr().out)
-    assert (found["outcomes_seen"], found["outcomes"], found["runs"], found["missing"]) == (7, 7, 2, {})
-    assert {"node": "both/look", "outcome": "failure", "codes": {"time_out": 3}} in found["codes"]
 
 
 def test_the_times_of_a_run_are_listed(task: str, capfd, monkeypatch) -> None:

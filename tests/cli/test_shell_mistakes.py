@@ -86,7 +86,7 @@ def test_a_campaign_whose_results_have_no_place_says_how_to_give_one(project, ca
     assert "results are kept there; give another file for them with -o" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("more", [["--prune"], [], ["--coverage", "t.yaml"]])
+@pytest.mark.parametrize("more", [["--prune"], []])
 def test_a_journal_that_was_named_and_is_not_there_is_an_error(project, more, capsys):
     assert main(["runs", ".", "--journal", "other.sqlite", *more]) == 1
     assert "other.sqlite: there is no such journal; name a file that runs were written to" in capsys.readouterr().err

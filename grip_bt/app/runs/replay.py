@@ -9,13 +9,9 @@ from dataclasses import dataclass
 from os.path import commonprefix
 from pathlib import Path, PurePosixPath
 from statistics import median
-from typing import Any
 
-from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.folder import find_project
-from grip_bt.app.runs.execute import check_task
 from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
-from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import Event, JournalReader, RunRecord, RunSnapshot
 from grip_bt.runtime.debugger import node_path
 
@@ -228,32 +224,3 @@ def failures(events: Iterable[Event]) -> dict[tuple[str, str], tuple[int, str]]:
     above = {"/"} if entered - {"/"} else set()
     above.update(str(parent) for path in entered for parent in PurePosixPath(path).parents)
     return {key: (count, messages[key]) for key, count in counts.most_common() if key[0] not in above}
-
-
-def coverage(reader: JournalReader, task: str) -> dict[str, Any]:
-    """Return which outcomes of a task's nodes were seen in its runs, found by its name, and how often, as JSON data.
-
-    Returns:
-        `outcomes_seen`, `outcomes`, `runs`: how many; `seen`: node -> outcome -> how often; `missing`: node ->
-        outcomes; `codes`: of each node's outcome, failure code -> how often.
-    """
-    project, document, _ = check_task(task)
-    parts = resolve(document.task, catalogue_of(project)).root.walk()
-    seen: dict[str, Counter[str]] = {}
-    codes: dict[tuple[str, str], Counter[str]] = {}
-    wanted = {part.path: list(part.meaning) for part in parts}
-    records = [record for record in reader.runs() if record.task_name == document.task.name]
-    for event in (event for record in records for event in reader.events(record.id)):
-        if event.event == "exit" and event.outcome is not None and event.outcome in wanted.get(event.path, ()):
-            seen.setdefault(event.path, Counter())[event.outcome] += 1
-            if event.code is not None:
-                codes.setdefault((event.path, event.outcome), Counter())[event.code] += 1
-    left = {path: [o for o in outcomes if o not in seen.get(path, ())] for path, outcomes in wanted.items()}
-    return {
-        "outcomes_seen": sum(map(len, seen.values())),
-        "outcomes": sum(map(len, wanted.values())),
-        "runs": len(records),
-        "seen": seen,
-        "missing": {path: outcomes for path, outcomes in left.items() if outcomes},
-        "codes": [{"node": node, "outcome": outcome, "codes": each} for (node, outcome), each in codes.items()],
-    }
