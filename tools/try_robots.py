@@ -3,8 +3,8 @@
     python tools/try_robots.py [--sim] [--all] [--json FILE] FOLDER...
 
 A FOLDER is a workspace, a repository or a package. Of each repository (the folder below `src`, or FOLDER itself) one
-configuration package is tried, or with `--all` each; for each, `grip robot check PACKAGE --run fake` is what a user
-would type. Nothing is downloaded.
+configuration package is tried, or with `--all` each; for each, `grip robot check`, `grip new --robot` and
+`grip run tasks/first.yaml` are what a user would type. Nothing is downloaded.
 """
 
 from __future__ import annotations
@@ -13,10 +13,16 @@ import argparse
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
+from grip_bt.base.errors import GripError
 from grip_bt.commanders.description.configurations import configured_packages, is_configured
 from grip_bt.commanders.description.packages import package_around
+from grip_bt.task import load
+from grip_bt.task.model import children_of
 
 TIME = 600.0
 """After so long a try is over [s]."""
@@ -38,22 +44,37 @@ def repository_of(package: Path) -> str:
 
 def tried(package: Path, sim: bool) -> dict[str, object]:
     """Return what became of one package."""
-    on = ["--run", "fake", *(["--run", "sim"] if sim else [])]
-    command = [sys.executable, "-m", "grip_bt.cli", "robot", "check", str(package), "--json", *on]
+    deadline = time.monotonic() + TIME
+
+    def grip(*words: str) -> str:
+        left = deadline - time.monotonic()
+        command = [sys.executable, "-m", "grip_bt.cli", *words]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=left)
+        said.append((done.stderr.strip() or "no output").splitlines()[-1])
+        return done.stdout
+
+    said: list[str] = []
+    runs: dict[str, dict[str, Any]] = {}
+    nodes: list[str] = []
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=TIME)
-        found = json.loads(done.stdout)
+        findings = json.loads(grip("robot", "check", str(package), "--json"))["findings"]
+        errors = [finding for finding in findings if finding["severity"] == "error"]
+        if not errors:
+            with TemporaryDirectory(prefix="grip_robot_") as lab:
+                grip("new", f"{lab}/lab", "--robot", str(package))
+                task = Path(lab, "lab", "tasks", "first.yaml")
+                nodes = list(children_of(load(task).root))
+                for on in ("fake", *(["sim"] if sim else [])):
+                    runs[on] = json.loads(grip("run", str(task), "--robot", on, "--json"))
     except subprocess.TimeoutExpired:
         return {"loads": False, "why": f"not over after {TIME:g} s"}
-    except json.JSONDecodeError:
-        return {"loads": False, "why": (done.stderr.strip() or "no output").splitlines()[-1]}
-    errors = [finding for finding in found["findings"] if finding["severity"] == "error"]
-    runs = {run["on"]: run for run in found["runs"]}
-    why = errors[0]["message"] if errors else next((r["said"] for r in runs.values() if r["status"] != "success"), "")
-    nodes = next(iter(runs.values()))["nodes"] if runs else []
+    except (json.JSONDecodeError, GripError):
+        return {"loads": False, "why": said[-1]}
+    failed = [run["message"] for run in runs.values() if run["status"] != "success"]
+    why = errors[0]["message"] if errors else failed[0] if failed else ""
     return {
         "loads": not errors,
-        "warnings": len(found["findings"]) - len(errors),
+        "warnings": len(findings) - len(errors),
         **{on: run["status"] == "success" for on, run in runs.items()},
         "pose": any(node.endswith("_pose") for node in nodes),
         "line": any(node.endswith("_line") for node in nodes),

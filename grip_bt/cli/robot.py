@@ -7,7 +7,6 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from grip_bt.base.errors import GripError
@@ -46,15 +45,6 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
             "--package", metavar="NAME=FOLDER", action="append", default=[], help="where a package lies, for package://"
         )
         each.add_argument("--json", action="store_true", help="print one JSON object")
-    check.add_argument(
-        "--run",
-        dest="on",
-        choices=("fake", "sim"),
-        action="append",
-        default=[],
-        help="move it, too: its named states, a pose, a line and its hands, as the first task of `grip new --robot`",
-    )
-    check.add_argument("--keep", metavar="DIR", type=Path, help="with --run: keep the project that is made for it")
     listed.add_argument("--json", action="store_true", help="print one JSON list")
 
 
@@ -62,38 +52,9 @@ def _run_check(args: argparse.Namespace) -> int:
     inspected = _inspected(args)
     findings = [*inspected.findings, *_of_model(inspected)]
     wrong = sum(finding.severity == "error" for finding in findings)
-    runs = [] if wrong or not args.on else _tried(args)
-    wrong += sum(run["status"] != "success" for run in runs)
-    lines = [*map(str, findings)]
-    for run in runs:
-        lines.append(
-            f"{run['on']}: {run['status']}{': ' if run['said'] else ''}{run['said']}; {', '.join(run['nodes'])}"
-        )
-    lines.append(f"{args.robot}: {counted(wrong, len(findings) - sum(f.severity == 'error' for f in findings))}")
-    tell(args.json, {"robot": args.robot, "findings": [f.as_dict() for f in findings], "runs": runs}, lines)
+    lines = [*map(str, findings), f"{args.robot}: {counted(wrong, len(findings) - wrong)}"]
+    tell(args.json, {"robot": args.robot, "findings": [f.as_dict() for f in findings]}, lines)
     return int(wrong > 0)
-
-
-def _tried(args: argparse.Namespace) -> list[dict[str, Any]]:
-    """Make a project for the robot, and run its first task on what `--run` names."""
-    from grip_bt.app.project.folder import make_project
-    from grip_bt.app.project.new_robot import new_robot
-    from grip_bt.app.runs.execute import run
-    from grip_bt.task import load
-    from grip_bt.task.model import children_of
-
-    with TemporaryDirectory(prefix="grip_robot_") as own:
-        folder = args.keep or Path(own) / "project"
-        made = new_robot(args.robot, folder, lambda question, names: names[0])
-        make_project(folder, made.files)
-        task = folder / "tasks" / "first.yaml"
-        nodes = list(children_of(load(task).root))
-        runs = []
-        for on in dict.fromkeys(args.on):
-            result = run(task, robot=on)
-            said = result.failure or result.error
-            runs.append({"on": on, "status": result.status, "said": "" if said is None else str(said), "nodes": nodes})
-    return runs
 
 
 def _run_show(args: argparse.Namespace) -> int:

@@ -74,7 +74,6 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     outcome = "force the next outcome of a leaf, such as attempt/grasp=failure.no_ik"
     add("--set-outcome", action="append", default=[], metavar="NODE=OUTCOME", help=outcome)
     add("--yes", action="store_true", help="confirm everything that would be asked")
-    add("--durable", action="store_true", help="write the journal to disk before each motion starts and after it ends")
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -124,7 +123,6 @@ def _prepared(args: argparse.Namespace, options: RunOptions) -> ResumePlan:
         at=args.at,
         task=args.task,
         outcomes=args.set_outcome,
-        agreed=args.yes,
     )
     asked = args.yes or args.fork  # a fork moves nothing that another run has left behind
     for said in (*plan.notes, *(plan.questions if asked else ())):
@@ -166,7 +164,6 @@ def run_run(args: argparse.Namespace) -> int:
         ticks=args.ticks,
         watchdog=args.watchdog or None,
         mocks=read_mocks(args.mocks, args.mock),
-        durable=args.durable,
         stand_ins=args.stand_ins,
     )
     if args.resume or args.fork:

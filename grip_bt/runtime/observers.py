@@ -1,19 +1,18 @@
-"""Observers of a run: they write its journal, keep state beside the task, wait for the disk, and tell the parent."""
+"""Observers of a run: they write its journal, keep state beside the task, and tell the parent."""
 
 from __future__ import annotations
 
 import mmap
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from grip_bt.base.errors import NodeError
 from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Observer
-from grip_bt.runtime.journal import ENTER, ENTRIES, INTERRUPTED, LIMIT, DetailedEvent, Journal, RunLog
-from grip_bt.runtime.journal_rows import JournalError
+from grip_bt.runtime.journal import ENTER, ENTRIES, INTERRUPTED, LIMIT, DetailedEvent, RunLog
 from grip_bt.runtime.value_codec import snapshot
 
 
@@ -118,24 +117,6 @@ class SideStateObserver(Observer):
             state = self._parts[name].changed()
             if state is not None:
                 self._note(path, name, state)
-
-
-class Durable(Observer):
-    """An observer that waits, as some leaves begin, until that is on the disk; told after the recorder."""
-
-    def __init__(self, journal: Journal, leaves: Collection[str]):
-        self._journal, self._leaves = journal, frozenset(leaves)
-
-    def entered(self, path: str) -> None:
-        """Wait for the disk; a journal that can't be written has said so in the log, and the run goes on without."""
-        if path in self._leaves:
-            try:
-                self._journal.flush()
-            except JournalError:
-                self._leaves = frozenset()
-
-    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        self.entered(path)
 
 
 _BEAT = 0.1

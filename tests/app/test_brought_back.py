@@ -144,30 +144,7 @@ def test_a_state_that_was_too_big_to_be_kept_is_said(
     assert main(fork) == 1
     said = capsys.readouterr().err
     assert "the scene cannot be restored to its state at event" in said
-    assert "with --yes, it starts from its initial state" in said
-
-
-def test_with_yes_a_part_that_cannot_be_brought_back_begins_as_in_a_new_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("grip.yaml").write_text(GRIP)
-    Path("kept.yaml").write_text(TASK.replace("WAIT", "0.01"))
-    from grip_bt.app.runs import execute
-    from grip_bt.runtime import Journal
-
-    with monkeypatch.context() as small:
-        small.setattr(execute, "Journal", lambda file: Journal(file, largest_value=100))
-        assert main(["run", "kept.yaml", "--in-process", "--robot", "fake"]) in (0, 3)
-    capsys.readouterr()
-    fork = ["run", "--fork", "last", "--at", "box", "--in-process", "--yes"]
-    assert main([*fork, *(f"--set-outcome={node}=success" for node in ("gone", "again", "last", "scene"))]) == 0
-    said = capsys.readouterr().err
-    assert "the scene: cannot be restored to its state at event" in said
-    assert "; it starts from its initial state" in said
-    with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
-        begun = [e for e in reader.events(find_run(reader, "last")) if e.event in ("run_started", "run_resumed")]
-    assert list(begun[-1].data["anew"]) == ["scene"]
+    assert "Fork it at an event before that" in said
 
 
 FAKE = """\

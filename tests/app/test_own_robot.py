@@ -8,7 +8,7 @@ import pytest
 from smally_project import PROJECT, robot_files, write_project
 
 from grip_bt.app.project.folder import find_project
-from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.app.runs.execute import RunOptions, open_session, run
 from grip_bt.base.errors import DocumentError, InvalidRobotError
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import JournalReader
@@ -175,8 +175,8 @@ def test_a_state_in_which_links_touch_is_left_out_and_a_home_is_found(tmp_path, 
         return srdf.replace('<group_state name="home"', '<group_state name="folded"')
 
     made = workspace(tmp_path, changed)
-    assert main(["robot", "check", str(made), "--run", "fake", "--keep", str(tmp_path / "lab")]) == 0
-    assert "fake: success; " in capsys.readouterr().out
+    assert main(["new", str(tmp_path / "lab"), "--robot", str(made)]) == 0
+    assert run(tmp_path / "lab" / "tasks" / "first.yaml", robot="fake").status == "success"
     doc = load(tmp_path / "lab" / "tasks" / "first.yaml").doc
     assert "Left out, since links touch there: folded (" in doc
     assert "manipulator: {home: {j1: 0" in (tmp_path / "lab" / "grip.yaml").read_text()
@@ -184,6 +184,8 @@ def test_a_state_in_which_links_touch_is_left_out_and_a_home_is_found(tmp_path, 
 
 @pytest.mark.parametrize("robot", ["allegro_right", "robotiq_2f_85"])
 @pytest.mark.parametrize("on", ["fake", SIMULATED])
-def test_a_hand_alone_runs(robot, on, capsys):
-    assert main(["robot", "check", robot, "--run", on]) == 0
-    assert f"{on}: success; hand_closed, hand_open" in capsys.readouterr().out
+def test_a_hand_alone_runs(robot, on, tmp_path):
+    assert main(["new", str(tmp_path / "lab"), "--robot", robot]) == 0
+    task = tmp_path / "lab" / "tasks" / "first.yaml"
+    assert list(load(task).root.children) == ["hand_closed", "hand_open"]
+    assert run(task, robot=on).status == "success"

@@ -149,7 +149,7 @@ def _blocks(journal: Path) -> int:
 
 
 def test_whatever_makes_a_run_go_otherwise_is_recorded_for_resuming_it() -> None:
-    shown = {"picture", "video", "view", "journal", "durable", "resume"}
+    shown = {"picture", "video", "view", "journal", "resume"}
     assert {field.name for field in fields(RunOptions)} - shown == execute._RECORDED
 
 
@@ -196,7 +196,7 @@ def test_a_motion_that_was_under_way_is_asked_about(
     (tmp_path / "nodes" / "move" / "manifest.yaml").write_text(MANIFEST)
     (tmp_path / "nodes" / "move" / "move.py").write_text(MOVE)
     (tmp_path / "task.yaml").write_text("grip: 1\nname: moves\nroot: {node: my/move}\n")
-    run = kill_in_the_middle(tmp_path, "task.yaml", 0.1, "--durable")
+    run = kill_in_the_middle(tmp_path, "task.yaml", 0.1)
     capsys.readouterr()
     assert main(["run", "--resume", run]) == 1
     asked = capsys.readouterr().err

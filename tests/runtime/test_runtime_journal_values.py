@@ -15,7 +15,7 @@ import pytest
 
 from grip_bt.base.values import Failure, Grasp, Image, JointState, PointCloud, Pose
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock
-from grip_bt.runtime.observers import Durable, Recorder
+from grip_bt.runtime.observers import Recorder
 from grip_bt.runtime.value_codec import DEEPEST, OpaqueValueError, decode, encode, snapshot
 
 
@@ -199,28 +199,6 @@ def test_a_field_that_there_was_not_when_a_value_was_written_has_its_default(val
         if field.default is not MISSING or field.default_factory is not MISSING:
             del head["$value"][1][field.name]
     assert same(decode(json.dumps(head).encode() + b"\n"), value)
-
-
-class FullDisk:
-    """A journal that can't be written."""
-
-    def __init__(self) -> None:
-        self.asked = 0
-
-    def flush(self) -> None:
-        self.asked += 1
-        raise JournalError("no space left on device")
-
-
-def test_a_journal_that_cannot_be_written_is_waited_for_once() -> None:
-    journal: Any = FullDisk()
-    observer = Durable(journal, ["pick", "place"])
-    observer.entered("look")
-    assert journal.asked == 0, "nothing moves there"
-    for path in ("pick", "place"):
-        observer.entered(path)
-        observer.ended(path, "success", None)
-    assert journal.asked == 1
 
 
 def test_a_run_that_was_cut_off_says_why_at_its_end(file: Path) -> None:

@@ -19,7 +19,7 @@ from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import of_task, refuse
 from grip_bt.app.runs.mocks import apply_mocks, check_nodes, injected
-from grip_bt.app.runs.resume import Restored, ResumeRequest, changes, kept_parts, policy_of, start_resumed
+from grip_bt.app.runs.resume import ResumeRequest, changes, kept_parts, start_resumed
 from grip_bt.app.wiring.equipment import Equipment
 from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening, Progress, Resources, RobotKind, load_part, silent
@@ -34,7 +34,6 @@ from grip_bt.nodes.mock import MockLeaf
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.journal_rows import Pruned, prune, size_of
-from grip_bt.runtime.observers import Durable
 from grip_bt.task import Document, Task, Variable, dumps, read, read_text
 from grip_bt.task.model import Leaf, type_of, walk
 from grip_bt.task.validation import validate
@@ -65,7 +64,6 @@ class RunOptions:
         watchdog: how long one tick may take [s] before the run ends as an error; None for ever.
         mocks: node -> script, as `grip_bt.app.runs.mocks` reads them.
         faults: what goes wrong in the simulated world besides its file's faults, by name.
-        durable: whether no motion begins before the journal on disk says so.
         ticks: how often somebody's own tree is ticked, whether it ends or not; None until it has ended.
         resume: the run that is resumed; None for a new one.
         video: where a film of the simulated world is written, 25 frames a second of its time; None for nowhere.
@@ -86,7 +84,6 @@ class RunOptions:
     watchdog: float | None = None
     mocks: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     faults: Mapping[str, Fault] = field(default_factory=dict)
-    durable: bool = False
     ticks: int | None = None
     resume: ResumeRequest | None = None
     video: Path | None = None
@@ -283,15 +280,11 @@ def _runner(
     resume = options.resume
     log = re_execution = None
     kept = kept_parts(resources)
-    back: Restored = {}
+    restored: dict[str, int] = {}
     if resume is not None:
-        log, re_execution, back = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
-    restored = {part: seq for part, seq in back.items() if isinstance(seq, int)}
-    anew = {part: why for part, why in back.items() if isinstance(why, str)}
+        log, re_execution, restored = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
     for part, seq in restored.items():
         progress(part, f"restored to event {seq}")
-    for part, why in anew.items():
-        progress(part, f"starts from its initial state: it {why}")
     context = resources.context(None if re_execution is None else re_execution.clock)
     runner = Runner(
         compiled,
@@ -307,14 +300,11 @@ def _runner(
         facts={
             "options": OPTIONS.dump_python(options, mode="json", include=_RECORDED),
             "keeps": sorted(kept),
-            **{key: said for key, said in (("restored", restored), ("anew", anew)) if said},
+            **({"restored": restored} if restored else {}),
         },
     )
     changed = {p: tuple(x for x in changes(leaf.manifest) if x in kept) for p, leaf in compiled.leaves.items()}
     runner.keep(kept, {path: parts for path, parts in changed.items() if parts})
-    if options.durable:
-        asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
-        runner.observe(Durable(journal, asked))
     return runner
 
 

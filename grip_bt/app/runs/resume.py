@@ -98,49 +98,21 @@ def _set_entries(library: MessageLibrary, state: Mapping[str, Iterable[Iterable[
             store.restore(entry)
 
 
-def _last_kept(events: Iterable[Event]) -> dict[str, Event]:
-    return {event.data["part"]: event for event in events if event.event == KEPT}
+_WORDS = {SCENE: "the scene", MESSAGES: "the messages", WORLD: "the simulated world", FAKES: "the fake robot"}
 
 
-def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays: str = "") -> dict[str, str]:
-    """Return which parts can't be brought back since the journal hasn't got their states any more, and why."""
-    others = {stays, *({WORLD} if robot != "sim" else ()), *({FAKES} if robot != "fake" else ())}
+def _restored(parts: Mapping[str, SideState], reader: JournalReader, events: Iterable[Event]) -> dict[str, int]:
+    """Bring parts into the state that they had at the last of `events`; return the event that has it."""
     found = {}
-    for name, event in _last_kept(events).items():
-        if name not in others:
-            try:
-                reader.value(event)
-            except GripError as error:
-                found[name] = _not_back(event, error)
-    return found
-
-
-Restored = dict[str, int | str]
-"""Part beside the task -> the event whose state it has, or why it starts from its initial one."""
-
-
-def _restored(parts: Mapping[str, SideState], reader: JournalReader, events: Iterable[Event], agreed: bool) -> Restored:
-    """Bring parts into the state that they had at the last of `events`; one that can't be there has to be agreed to."""
-    found: Restored = {}
-    for name, event in _last_kept(events).items():
+    for name, event in {event.data["part"]: event for event in events if event.event == KEPT}.items():
         if name in parts:
             try:
                 parts[name].restore(reader.value(event))
             except (GripError, LookupError, TypeError, ValueError) as error:
-                found[name] = why = _not_back(event, error)
-                if not agreed:
-                    raise ResumeError(f"{WORDS[name]} {why}; with --yes, {ANEW}") from error
-            else:
-                found[name] = event.seq
+                why = f"cannot be restored to its state at event {event.seq} ({event.path}): {error}"
+                raise ResumeError(f"{_WORDS[name]} {why}. Fork it at an event before that") from error
+            found[name] = event.seq
     return found
-
-
-WORDS = {SCENE: "the scene", MESSAGES: "the messages", WORLD: "the simulated world", FAKES: "the fake robot"}
-ANEW = "it starts from its initial state"
-
-
-def _not_back(event: Event, error: Exception) -> str:
-    return f"cannot be restored to its state at event {event.seq} ({event.path}): {error}"
 
 
 @dataclass(frozen=True)
@@ -151,14 +123,12 @@ class ResumeRequest:
         at: the last event that happens again, in a new run; None to go on with the run itself.
         results: leaf -> (outcome, code) of its next end, in place of its work.
         values: variable -> value from then on.
-        agreed: whether a part beside the task that can't be brought back may begin as in a new run.
     """
 
     run: str
     at: int | None = None
     results: Mapping[str, Sequence[str]] = field(default_factory=dict)
     values: Mapping[str, Any] = field(default_factory=dict)
-    agreed: bool = False
 
 
 def policy_of(manifest: Manifest) -> str:
@@ -178,8 +148,8 @@ def start_resumed(
     clock: Clock | None,
     seed: int,
     kept: Mapping[str, SideState],
-) -> tuple[RunLog, ReExecution, Restored]:
-    """Return the log that is written on, the run that happens again first, and what became of `kept` parts.
+) -> tuple[RunLog, ReExecution, dict[str, int]]:
+    """Return the log that is written on, the run that happens again first, and which event each of `kept` is restored to.
 
     Args:
         clock: of the run from then on; None for the wall's.
@@ -192,7 +162,7 @@ def start_resumed(
     record = reader.run(resume.run)
     events = reader.events(resume.run, limit=resume.at)
     _check_values(reader, events)
-    back = _restored(kept, reader, events, resume.agreed)
+    back = _restored(kept, reader, events)
     if resume.at is None:
         log = journal.go_on(record.id)
     else:

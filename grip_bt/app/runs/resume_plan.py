@@ -11,7 +11,7 @@ from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.runs.execute import RunOptions, Target, check_task
 from grip_bt.app.runs.mocks import apply_mocks
 from grip_bt.app.runs.replay import Until, find_run
-from grip_bt.app.runs.resume import ANEW, MESSAGES, WORDS, ResumeRequest, policy_of, unreadable
+from grip_bt.app.runs.resume import ResumeRequest, policy_of
 from grip_bt.base.errors import ResumeError, UnknownNameError
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.runtime import Event, JournalError, JournalReader, Recording, RunRecord
@@ -78,9 +78,8 @@ def _questions(
     events: Sequence[Event],
     resume: ResumeRequest,
     options: RunOptions,
-    anew: Mapping[str, str],
 ) -> list[str]:
-    """Return what a person has to agree to; `anew` has why parts beside the task can't be brought back."""
+    """Return what a person has to agree to."""
     found = []
     faces = {p: part.manifest for p, part in parts.items() if part.manifest is not None}
     leaves = {p: face for p, face in faces.items() if not {p, face.id} & {*options.mocks}}
@@ -88,7 +87,6 @@ def _questions(
         if path not in resume.results and policy_of(leaves[path]) == "ask":
             again = f"it is started again (or say how it ended: --set-outcome {path}=success)"
             found.append(f"{path}: {leaves[path].id} was under way, and its progress is unknown; {again}")
-    found += [f"{WORDS[part]}: {why}; {ANEW}" for part, why in anew.items()]
     foreign = [p for p, part in parts.items() if isinstance(part.node, model.Foreign) and p in {e.path for e in events}]
     if foreign:
         found.append(f"{', '.join(foreign)}: py_trees behaviours ran; they will run again")
@@ -143,7 +141,6 @@ def plan_resume(
     at: str | None = None,
     task: Path | None = None,
     outcomes: Iterable[str] = (),
-    agreed: bool = False,
 ) -> ResumePlan:
     """Look at a run, and say how it can be resumed.
 
@@ -188,13 +185,8 @@ def plan_resume(
         model, catalog, _ = apply_mocks(model, catalog, options.mocks)
     parts = {part.path: part for part in resolve(model, catalog).root.walk()}
     happened = events if until is None else events[:until]
-    stays = MESSAGES if project.file.message_server and options.robot != "fake" else ""
-    lost: Mapping[str, str] = {}
-    if agreed or until is None:
-        with JournalReader(journal) as reader:
-            lost = unreadable(reader, happened, options.robot, stays)
-    request = ResumeRequest(record.id, until, _read_results(parts, outcomes), values, agreed=agreed or bool(lost))
-    asked = _questions(parts, happened, request, options, lost)
+    request = ResumeRequest(record.id, until, _read_results(parts, outcomes), values)
+    asked = _questions(parts, happened, request, options)
     notes = [f"{file} has changed since; the run continues with the recorded task"] if changed else []
     return ResumePlan(file, replace(options, resume=request), asked, notes)
 

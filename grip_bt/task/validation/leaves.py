@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from itertools import count
 from math import isfinite, isnan
 
 from grip_bt.base.errors import listing, nearest
@@ -14,14 +13,10 @@ from grip_bt.task.catalog import Manifest, check_value
 from .analysis import PlacedNode, TaskAnalysis, type_or_none
 from .codes import has_literal_form, suggestion
 
-_HINTED = 300
-"""Unknown node types for which a similar one is looked for: who has more has no slip of the pen."""
-
 
 def check_names(analysis: TaskAnalysis) -> None:
     """Find unknown node types, and parameters, ports and meanings that a node's manifest doesn't have or needs."""
-    words = cache(lambda id: _unknown_node(analysis, id, next(asked) < _HINTED))
-    asked = count()
+    words = cache(lambda id: _unknown_node(analysis, id))
     for placed in analysis.leaves:
         node, manifest = placed.node, placed.manifest
         assert isinstance(node, Leaf), "these are leaves"
@@ -56,9 +51,9 @@ def _ports(analysis: TaskAnalysis, placed: PlacedNode, node: Leaf | Subtask, man
             analysis.add(placed.path, ("in", port), "missing-input", message, fix)
 
 
-def _unknown_node(analysis: TaskAnalysis, id: str, hinted: bool) -> tuple[str, str]:
+def _unknown_node(analysis: TaskAnalysis, id: str) -> tuple[str, str]:
     ids = analysis.catalog.ids()
-    hint = nearest(id, ids) if hinted else ""
+    hint = nearest(id, ids)
     fix = suggestion(hint, "correct the name, or add the component that has it")
     room = id.partition("/")[0]
     same_room = [other for other in ids if other.startswith(f"{room}/")]

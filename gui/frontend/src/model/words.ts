@@ -115,9 +115,7 @@ export function eventText(event: RunEvent): string {
       return "the run starts";
     case "run_resumed": {
       const back = Object.keys((data["restored"] as object | undefined) ?? {});
-      const anew = Object.keys((data["anew"] as object | undefined) ?? {});
-      const parts = [back.length ? `; as before: ${back.join(", ")}` : "", anew.length ? `; re-initialised: ${anew.join(", ")}` : ""];
-      return `the run resumes in another process${parts.join("")}`;
+      return `the run resumes in another process${back.length ? `; as before: ${back.join(", ")}` : ""}`;
     }
     case "went_on":
       return WENT_ON[String(data["how"])] ?? `goes on: ${String(data["how"])}`;
