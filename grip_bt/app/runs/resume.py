@@ -149,7 +149,7 @@ def start_resumed(
     seed: int,
     kept: Mapping[str, SideState],
 ) -> tuple[RunLog, ReExecution, dict[str, int]]:
-    """Return the log that is written on, the run that happens again first, and which event each of `kept` is restored to.
+    """Return the log that is written on, the run that happens again first, and which event parts of `kept` come from.
 
     Args:
         clock: of the run from then on; None for the wall's.
