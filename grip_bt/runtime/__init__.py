@@ -26,8 +26,8 @@ from .journal_reader import RunRecord as RunRecord
 from .journal_rows import JournalError as JournalError
 from .re_execution import ReExecution as ReExecution
 from .recording import Recording as Recording
+from .result import RunResult as RunResult
 from .runner import Runner as Runner
-from .runner import RunResult as RunResult
 from .smach_states import BehaviourTree as BehaviourTree
 from .smach_states import Choose as Choose
 from .smach_states import TreeRun as TreeRun

@@ -10,7 +10,8 @@ from typing import Any, TextIO, TypedDict
 
 from grip_bt.base.errors import ExpressionError, GripError, UnknownNameError
 
-from .runner import Runner, RunResult
+from .result import RunResult
+from .runner import Runner
 from .value_codec import preview
 
 COMMANDS = ("pause", "resume", "step", "run_to", "break", "clear", "breakpoints", "inspect", "preempt", "fault", "stop")

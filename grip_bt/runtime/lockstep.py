@@ -25,7 +25,6 @@ from typing import Any, TypeVar
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import WAITS, Operation
 from grip_bt.base.ports import Stepped
-from grip_bt.nodes.node import Observer
 from grip_bt.runtime.clock import Waker
 
 T = TypeVar("T")
@@ -411,13 +410,3 @@ def _tell(pending: _Pending, canceled: bool = False) -> None:
         pending.finish()
     except Exception:  # noqa: BLE001 - one callback mustn't keep other operations from ending
         _log.exception("a callback of an operation failed")
-
-
-class WakeOnWrite(Observer):
-    """An observer that has the run look again after each write, since nobody polls for what it may change."""
-
-    def __init__(self, context: Any):
-        self._wake = context.wake
-
-    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        self._wake()

@@ -176,3 +176,13 @@ class HeartbeatReader:
         active = [path for i, path in enumerate(paths) if i < LARGEST - _FLAGS - 1 and self._shared[_FLAGS + i]]
         deepest = [p for p in active if not any(q != p and (p == "/" or q.startswith(p + "/")) for q in active)]
         return (paths[last] if last < len(paths) else "/"), deepest
+
+
+class WakeOnWrite(Observer):
+    """An observer that has the run look again after each write, since nobody polls for what it may change."""
+
+    def __init__(self, context: Any):
+        self._wake = context.wake
+
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
+        self._wake()

@@ -7,30 +7,28 @@ import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from dataclasses import replace
 
 from py_trees.behaviour import Behaviour
 
 from grip_bt.base.errors import GripError, NodeError, NotStoppedError
-from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
-from grip_bt.compilers.binding import parts_of
 from grip_bt.compilers.scopes import Scopes
 from grip_bt.nodes.foreign import Foreign
 from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.node import SILENT, Observer, Observers
 from grip_bt.runtime.motion_end import Rest, ended
-from grip_bt.runtime.observers import Recorder, SideState, SideStateObserver
+from grip_bt.runtime.observers import Recorder, SideState, SideStateObserver, WakeOnWrite
 
 from .context import RunContext
 from .debugger import Debugger
 from .engine import TickEngine, make_ticker
 from .journal import Journal, RunLog
-from .lockstep import Lockstep, WakeOnWrite
+from .lockstep import Lockstep
 from .pacing import Pacing, State
 from .re_execution import ReExecution
 from .recording import PREEMPT, NewEvents
+from .result import RunResult, RunStatus, own_labels
 from .stopping import (
     EndedObserver,
     Watchdog,
@@ -53,35 +51,6 @@ LAST_MOMENT = 0.05
 a zombie."""
 REST = 5.0
 """How long [s] after a stop the robot may take to come to rest, as measured, until the run says that it can't tell."""
-
-RunStatus = Literal["success", "failure", "error", "stopped", "died"]
-
-
-@dataclass(frozen=True)
-class RunResult:
-    """How a run has ended.
-
-    Attributes:
-        outcome: the task's outcome; None after a stop or an error.
-        meaning: `success` or `failure`; None after a stop or an error.
-        status: the meaning, or `error`, or `stopped`; `died` where whoever controlled it had gone.
-        duration: on the run's clock [s].
-        error: what a leaf raised, in a NodeError that names it; the journal has the traceback.
-        zombies: leaves whose code hadn't returned at the end; it was left behind.
-        rest: what was measured of the robot after a stop or an error.
-        data: the task's variables that have a value, with their last ones.
-    """
-
-    outcome: str | None
-    meaning: str | None
-    status: RunStatus
-    failure: Failure | None
-    ticks: int
-    duration: float
-    error: BaseException | None = None
-    zombies: tuple[Zombie, ...] = ()
-    rest: Rest = Rest()
-    data: Mapping[str, object] = field(default_factory=dict, compare=False, repr=False)
 
 
 def _engine_of(root: Behaviour) -> TickEngine:
@@ -133,7 +102,7 @@ class Runner:
         self.run_id: str | None = None
         self.inject: Callable[[str], None] = _nothing_to_disturb
         self._recorder: Recorder | None = None
-        self._re_execution, self._facts = re_execution, {**(facts or {}), **_own_labels(compiled)}
+        self._re_execution, self._facts = re_execution, {**(facts or {}), **own_labels(compiled)}
         if journal is not None:
             if log is None:
                 log = journal.begin(compiled.task.name, task_path, task_text, compiled.target, seed)
@@ -430,13 +399,3 @@ class Runner:
             error=error,
             data={name: v for (path, name), v in self.compiled.data.snapshot().items() if path == Scopes.TASK},
         )
-
-
-def _own_labels(compiled: CompiledTree | CompiledMachine) -> dict[str, Any]:
-    """Return what outcomes mean that don't say so themselves: whoever reads the journal has no other way to know."""
-    found = {
-        path: own
-        for path, part in parts_of(compiled).items()
-        if (own := {name: meaning for name, meaning in part.meaning.items() if name != meaning})
-    }
-    return {"outcomes": found} if found else {}
