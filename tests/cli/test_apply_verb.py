@@ -39,12 +39,10 @@ def test_commands_change_their_own_lines(task, capsys):
     assert "# the second" in text
 
 
-def test_a_part_becomes_a_file_and_comes_back(task, tmp_path):
+def test_a_part_becomes_a_file(task, tmp_path):
     assert main(["apply", str(task), '{"do": "extract", "path": "second", "file": "tasks/part.yaml"}']) == 0
     assert "kind: subtask" in task.read_text()
     assert main(["check", str(task), str(tmp_path / "tasks" / "part.yaml")]) == 0
-    assert main(["apply", str(task), '{"do": "inline", "path": "second"}']) == 0
-    assert "flow/log" in task.read_text()
 
 
 def test_a_dry_run_prints_the_text_and_changes_nothing(task, capsys):

@@ -1,4 +1,4 @@
-"""Extract and inline over the server: the new file, the edit, its undo, and what is refused."""
+"""Extract over the server: the new file, the edit, its undo, and what is refused."""
 
 from __future__ import annotations
 
@@ -29,17 +29,14 @@ def text_of(page: TestClient) -> str:
     return str(page.get("/api/document", params={"path": TINY}).json()["text"])
 
 
-def test_a_part_goes_to_a_file_and_the_inside_of_the_file_comes_back(page: TestClient, project: Path) -> None:
+def test_a_part_goes_to_a_file_which_stays_when_that_is_undone(page: TestClient, project: Path) -> None:
     before = text_of(page)
     view = edit(page, do="extract", path="machine", file=PART)
     assert nodes(view) == ["/", "first", "machine"]
     assert "kind: state_machine" in (project / PART).read_text()
     assert not [problem for problem in view["task"]["problems"] if problem["severity"] == "error"]
-    view = edit(page, do="inline", path="machine")
-    assert nodes(view) == ["/", "first", "machine", "machine/a", "machine/b"]
-    for _ in range(2):
-        base = page.get("/api/document", params={"path": TINY}).json()["revision"]
-        page.post("/api/document/step", json={"path": TINY, "base": base, "step": "undo"})
+    base = page.get("/api/document", params={"path": TINY}).json()["revision"]
+    page.post("/api/document/step", json={"path": TINY, "base": base, "step": "undo"})
     assert text_of(page) == before
     assert (project / PART).exists()
 

@@ -1,4 +1,4 @@
-"""A task does the same with a part of it in a file of its own, and is the same again when that is put back."""
+"""A task does the same with a part of it in a file of its own."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from parity_generate import make_case
 from parity_world import catalog_of, compare, run_machine, run_tree
 
 from grip_bt.base.errors import EditError
-from grip_bt.compilers.restructure import extracted, inlined
+from grip_bt.compilers.restructure import extracted
 from grip_bt.task import Subtask, Task, loads, walk
 from grip_bt.task.catalog import TaskTexts
-from grip_bt.task.edit import Extract, Inline, apply
+from grip_bt.task.edit import Extract, apply
 from grip_bt.task.validation import validate
 
 TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "300"))
@@ -84,8 +84,8 @@ def test_a_part_in_a_file_of_its_own_does_the_same(chunk: int) -> None:
     assert whole >= 0.8 * tried - 2, f"only {whole} of {tried} tasks were compared to their end"
 
 
-def test_a_part_put_back_is_what_it_was_and_new_files_are_right() -> None:
-    put_back = 0
+def test_new_files_are_right() -> None:
+    right = 0
     for seed in range(FIRST, FIRST + 150):
         made = taken_out(seed)
         if made is None:
@@ -93,9 +93,7 @@ def test_a_part_put_back_is_what_it_was_and_new_files_are_right() -> None:
         case, after, path, with_file = made
         files = {name: Task.model_validate(said) for name, said in with_file["files"].items()}
         catalog = catalog_of(case).with_(tasks=TaskTexts(files))
-        edit = inlined(Inline(path=path, approximate=True), after, catalog)
         task = Task.model_validate(case["task"])
-        assert apply(after, edit).task == task, f"seed {seed}, {path}"
         found = validate(task, catalog_of(case)).issues
         if any(issue.code == "unreachable-node" and f"{path}/".startswith(f"{issue.path}/") for issue in found):
             continue  # in a file of its own it is reached, and what can't be told before is told then
@@ -103,5 +101,5 @@ def test_a_part_put_back_is_what_it_was_and_new_files_are_right() -> None:
         for made_of_it in (files[FILE], after):
             new = [issue for issue in validate(made_of_it, catalog).errors if issue.code not in codes]
             assert not new or (codes and new[0].code == "invalid-subtask"), f"seed {seed}, {path}: {new[0]}"
-        put_back += 1
-    assert put_back > 60
+        right += 1
+    assert right > 60

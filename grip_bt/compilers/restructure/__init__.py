@@ -3,7 +3,6 @@
 from grip_bt.compilers.restructure.conversion import to_state_machines as to_state_machines
 from grip_bt.compilers.restructure.conversion import to_trees as to_trees
 from grip_bt.compilers.restructure.subtasks import extracted as extracted
-from grip_bt.compilers.restructure.subtasks import inlined as inlined
 
 from .as_edit import expanded as expanded
 from .equivalence import Comparison as Comparison

@@ -6,7 +6,6 @@ from typing import Any
 
 from grip_bt.base.errors import EditError, InvalidTaskError
 from grip_bt.compilers.restructure.conversion import to_state_machines, to_trees
-from grip_bt.compilers.restructure.subtasks import inlined
 from grip_bt.task import dumps, loads
 from grip_bt.task.canonical import data_of, file_data
 from grip_bt.task.catalog import Catalog
@@ -17,7 +16,6 @@ from grip_bt.task.edit import (
     Convert,
     Disconnect,
     Group,
-    Inline,
     Patch,
     apply,
     path_after,
@@ -34,16 +32,13 @@ STANDARD = frozenset(("success", "failure"))
 
 
 def expanded(command: AnyCommand, task: Task, catalog: Catalog) -> AnyCommand:
-    """Return a command in which every `convert` and `inline` is the edit that it comes to, for whoever applies it.
+    """Return a command in which every `convert` is the edit that it comes to, for whoever applies it.
 
     A `change_kind` gives leaves edges for the outcomes that they have.
 
     Raises:
-        EditError: what is to be converted has no equal in the other form, the task isn't right, or a subtask can't be
-            put in its place.
+        EditError: what is to be converted has no equal in the other form, or the task isn't right.
     """
-    if isinstance(command, Inline):
-        return inlined(command, task, catalog)
     if isinstance(command, Convert):
         return _conversion(command, task, catalog)
     if isinstance(command, ChangeKind):

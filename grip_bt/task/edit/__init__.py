@@ -7,7 +7,6 @@ only the lines of the command change; `documents` reads typed text as a command;
 from .change_kind import ChangeKind as ChangeKind
 from .change_kind import Convert as Convert
 from .change_kind import Extract as Extract
-from .change_kind import Inline as Inline
 from .commands import AnyCommand as AnyCommand
 from .commands import Command as Command
 from .commands import Group as Group

@@ -93,16 +93,6 @@ class Extract(_TakesCatalog):
     """Also where somebody can tell that values go in and out at once: what may be halted, or has others beside it."""
 
 
-class Inline(_TakesCatalog):
-    """What is in a subtask's file takes the subtask's place; the reverse of `extract`."""
-
-    do: Literal["inline"] = "inline"
-    words: ClassVar[str] = "inline {path}"
-    path: str
-    approximate: bool = False
-    """As in `extract`."""
-
-
 def expect_kind(path: str, kind: str) -> None:
     """Refuse a kind that there isn't."""
     if kind not in KINDS:

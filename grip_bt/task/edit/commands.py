@@ -11,7 +11,7 @@ from pydantic import Discriminator, TypeAdapter, ValidationError
 from grip_bt.base.errors import EditError
 
 from ..model import Task
-from .change_kind import ChangeKind, Convert, Extract, Inline
+from .change_kind import ChangeKind, Convert, Extract
 from .comment import Comment
 from .containers import Unwrap, Wrap
 from .editing import BaseCommand, Edit
@@ -59,7 +59,7 @@ class Patch(BaseCommand):
 
 AnyCommand = (
     Add | Paste | Remove | Move | Rename | Set | Unset | Comment | Connect | Disconnect | Wrap | Unwrap | ChangeKind
-    | Convert | Extract | Inline | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome
+    | Convert | Extract | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome
     | Group | Patch
 )  # fmt: skip
 Command = Annotated[AnyCommand, Discriminator("do")]

@@ -17,7 +17,7 @@ from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.compilers.restructure import expanded, extracted
 from grip_bt.task import Task, dumps, read_text
 from grip_bt.task.document import Document
-from grip_bt.task.edit import AnyCommand, ChangeKind, Convert, Extract, Group, Inline, command_of
+from grip_bt.task.edit import AnyCommand, ChangeKind, Convert, Extract, Group, command_of
 from grip_bt.task.edit.steps import Step
 from grip_gui.editing.conversion import conversion_view, forms_view
 from grip_gui.editing.files import StaleEditError, TextFile, layout_path, recovery_of
@@ -102,7 +102,7 @@ class DocumentStore:
             EditError: it can't be carried out.
             HandoverError: it can, but somebody could tell; `approximate` does it all the same.
         """
-        if not isinstance(command, ChangeKind | Convert | Extract | Inline | Group):
+        if not isinstance(command, ChangeKind | Convert | Extract | Group):
             return command
         catalog = catalog_of(self.folder)[0]
         if not isinstance(command, Extract):

@@ -35,7 +35,6 @@ TITLES = [
     ({"do": "convert", "path": "a", "to": "bt"}, "convert a to composites"),
     ({"do": "convert", "path": "/", "to": "sm"}, "convert the root to state machines"),
     ({"do": "extract", "path": "a", "file": "tasks/a.yaml"}, "extract a to tasks/a.yaml"),
-    ({"do": "inline", "path": "a"}, "inline a"),
     ({"do": "set", "path": "a", "key": ["in", "cloud"], "value": "c"}, "cloud of a reads c"),
     ({"do": "unset", "path": "a", "key": ["out", "cloud"]}, "cloud of a writes no variable"),
     ({"do": "set_meaning", "path": "a", "outcome": "none", "meaning": "failure"}, "none of a means failure"),

@@ -4,7 +4,7 @@ import { kinds } from "../model/kinds";
 import { allFolded } from "../model/visibility";
 import { PAGE } from "../protocol/client";
 import { askChoice, askText } from "./ask";
-import { askConversion, extract, inline, openSubtask } from "./converting";
+import { askConversion, extract, openSubtask } from "./converting";
 import { callMe } from "./desk";
 import { redo, save, undo } from "./editing";
 import { connectOutcome, enterSelected, leaveContainer, toggleInPlace } from "./flowing";
@@ -74,7 +74,6 @@ export const ACTIONS: readonly Action[] = [
   { id: "kind", title: "Change kind", keys: ["k"], run: () => changeKind() },
   { id: "convert", title: "Convert to the other form", keys: ["Shift+K"], asks: true, run: () => askConversion() },
   { id: "extract", title: "Extract to a task of its own", keys: ["Shift+E"], asks: true, run: extract },
-  { id: "inline", title: "Inline the subtask", keys: ["Shift+I"], asks: true, run: inline },
   { id: "open", title: "Open the subtask", keys: ["o"], run: () => openSubtask() },
   { id: "up", title: "Move up", keys: ["Alt+ArrowUp"], run: () => shift("up") },
   { id: "down", title: "Move down", keys: ["Alt+ArrowDown"], run: () => shift("down") },

@@ -119,13 +119,6 @@ function freshFile(name: string, taken: ReadonlySet<string>): string {
   }
 }
 
-/** What is in the selected subtask's file takes the subtask's place; the file stays. */
-export async function inline(): Promise<void> {
-  const node = selectedNode();
-  if (node?.kind !== "subtask") return useRun.getState().setError("Select a subtask first; the contents of its file replace it.");
-  await handingOver({ do: "inline", path: node.path }, `Inline ${node.name}`, node.path, `the contents of ${node.label} are here now`);
-}
-
 /** Where it would make a difference, the person says whether it is done all the same. */
 async function handingOver(command: Command, title: string, select: string, said: string): Promise<void> {
   let why = "";

@@ -84,7 +84,7 @@ function RunStatus({ node }: { node: NodeView }): JSX.Element | null {
   );
 }
 
-const FOR_ALL = ["rename", "wrap", "unwrap", "copy", "cut", "paste", "up", "down", "connect", "free", "convert", "extract", "inline", "open", "remove"];
+const FOR_ALL = ["rename", "wrap", "unwrap", "copy", "cut", "paste", "up", "down", "connect", "free", "convert", "extract", "open", "remove"];
 
 function Actions({ node }: { node: NodeView }): JSX.Element {
   const parent = useRun((s) => s.index.byPath.get(parentOf(node.path) ?? ""));
@@ -92,7 +92,7 @@ function Actions({ node }: { node: NodeView }): JSX.Element {
   const not = new Set([
     ...(node.path === "/" ? ["cut", "remove", "up", "down", "extract"] : []),
     ...(node.kind === "leaf" ? ["unwrap", "convert"] : []),
-    ...(node.kind === "subtask" ? ["unwrap", "convert", "extract"] : ["inline", "open"]),
+    ...(node.kind === "subtask" ? ["unwrap", "convert", "extract"] : ["open"]),
     ...(machine ? [] : ["free"]),
   ]);
   const offered = ACTIONS.filter((action) => FOR_ALL.includes(action.id) && !not.has(action.id));
@@ -117,7 +117,7 @@ function Actions({ node }: { node: NodeView }): JSX.Element {
 /** What is done most; the rest is a press away, and among the commands. */
 const FIRST = new Set(["rename", "wrap", "connect", "open", "remove"]);
 
-const SHORT: Record<string, string> = { wrap: "Wrap", connect: "Connect", free: "Connect free", convert: "Convert", extract: "Extract", inline: "Inline", open: "Open", up: "Up", down: "Down" };
+const SHORT: Record<string, string> = { wrap: "Wrap", connect: "Connect", free: "Connect free", convert: "Convert", extract: "Extract", open: "Open", up: "Up", down: "Down" };
 
 function run(id: string): void {
   const action = ACTIONS.find((each) => each.id === id);

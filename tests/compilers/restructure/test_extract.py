@@ -1,12 +1,12 @@
-"""A part of a task to a file of its own, and back: the text that comes of it, and what is refused."""
+"""A part of a task to a file of its own: the text that comes of it, and what is refused."""
 
 import pytest
 
 from grip_bt.base.errors import EditError
-from grip_bt.compilers.restructure import expanded, extracted
+from grip_bt.compilers.restructure import extracted
 from grip_bt.task import loads, read_text
 from grip_bt.task.catalog import Catalog, TaskTexts
-from grip_bt.task.edit import Extract, Inline, apply, apply_to_document, command_of
+from grip_bt.task.edit import Extract, apply, apply_to_document, command_of
 from grip_bt.task.validation import validate
 
 TEXT = """\
@@ -68,23 +68,13 @@ def test_a_part_goes_to_a_file_with_its_comments_and_its_ports():
     assert not validate(done.document.task, with_files(count=made.text)).issues
 
 
-def test_a_part_taken_out_and_put_back_is_the_same_task():
-    task = loads(TEXT)
-    made = extracted(TAKE, task, CATALOG)
-    after = apply(task, made.edit).task
-    back = expanded(Inline(path="count"), after, with_files(count=made.text))
-    assert apply(after, back).task == task
-
-
-def test_the_commands_have_a_wire_form():
+def test_the_command_has_a_wire_form():
     assert command_of(TAKE.model_dump(mode="json")) == TAKE
-    assert command_of({"do": "inline", "path": "count"}) == Inline(path="count")
 
 
-@pytest.mark.parametrize(("command", "name"), [(TAKE, "extracted"), (Inline(path="count"), "expanded")])
-def test_they_need_a_catalogue(command, name):
-    with pytest.raises(EditError, match=rf"needs a catalogue: apply what .*\.{name}"):
-        apply(loads(TEXT), command)
+def test_it_needs_a_catalogue():
+    with pytest.raises(EditError, match=r"needs a catalogue: apply what .*\.extracted"):
+        apply(loads(TEXT), TAKE)
 
 
 HEAD = "grip: 1\nname: a\n"
@@ -134,69 +124,6 @@ def test_a_file_outside_of_the_project_is_refused(file):
         extracted(Extract(path="count", file=file), loads(TEXT), CATALOG)
 
 
-SUB = """\
-grip: 1
-name: sub
-doc: Counts.
-inputs: {a: int, limit: {type: int, value: 3}}
-outputs: {b: int}
-data: {v: {type: int, value: 0}}
-root:
-  kind: sequence
-  children:
-    one: {node: flow/compute, with: {expression: a + b}, in: {a: a, b: v}, out: {value: b}}
-    two: {node: flow/compute, with: {expression: a + b}, in: {a: b, b: limit}, out: {value: v}}
-"""
-RUNS = (
-    HEAD
-    + "data: {v: {type: int, value: 1}, b: int}\nroot: {kind: sequence, children: {s: {kind: subtask, "
-    + "task: tasks/sub.yaml, %s}, say: {node: flow/log, with: {message: x}, in: {value: b}}}}\n"
-)
-
-
-def test_ports_become_the_variables_they_are_bound_to_and_the_rest_is_declared():
-    task = loads(RUNS % "in: {a: v}, with: {limit: 7}, out: {b: b}")
-    catalog = with_files(sub=SUB)
-    done = apply(task, expanded(Inline(path="s"), task, catalog)).task
-    node = done.root.children["s"]
-    assert dict(node.children["one"].in_) == {"a": "v", "b": "v_2"}
-    assert dict(node.children["two"].in_) == {"a": "b", "b": "limit"}
-    assert dict(node.children["two"].out) == {"value": "v_2"}
-    assert (node.data["limit"].value, node.data["v_2"].value, node.doc) == (7, 0, "Counts.")
-    assert not validate(done, catalog).errors
-
-
-@pytest.mark.parametrize(
-    ("bound", "sub", "words"),
-    [
-        ("in: {a: v}, out: {b: v}", SUB, "two ports are bound to one variable"),
-        ("in: {a: v}, out: {b: b}", SUB.replace("value: b}", "value: a}"), "'a' is written inside, which 'v' mustn't"),
-        ("in: {a: v}, out: {b: b}", SUB.replace("{b: int}", "{b: {type: int, value: 1}}"), "begins with a value of"),
-        ("in: {a: v}, out: {b: b}, meaning: {success: failure}", SUB, "`meaning` differs"),
-        (
-            "in: {a: v}, out: {b: b}",
-            SUB.replace("name: sub", "name: sub\noutcomes: {ok: success, failure: failure}").replace(
-                "root:", "root:\n  on: {success: ok}"
-            ),
-            "has outcomes of its own",
-        ),
-        ("in: {a: v}, out: {b: b}", SUB.replace("root:", "root:\n  precondition: v < 1"), "reads variables of its own"),
-    ],
-)
-def test_a_subtask_that_is_no_part_is_refused(bound, sub, words):
-    task = loads(RUNS % bound)
-    with pytest.raises(EditError, match=words):
-        expanded(Inline(path="s"), task, with_files(sub=sub))
-
-
-def test_what_is_no_subtask_or_has_no_file_is_refused():
-    task = loads(RUNS % "in: {a: v}")
-    with pytest.raises(EditError, match="there is no subtask"):
-        expanded(Inline(path="say"), task, CATALOG)
-    with pytest.raises(EditError, match="there is no such file"):
-        expanded(Inline(path="s"), task, with_files())
-
-
 def test_what_is_read_only_where_nothing_leads_to_is_declared_all_the_same():
     never = "{node: flow/log, with: {message: b}, in: {value: v}}"
     inner = f"{{kind: sequence, children: {{stop: {{node: flow/fail}}, b: {never}}}}}"
@@ -204,5 +131,3 @@ def test_what_is_read_only_where_nothing_leads_to_is_declared_all_the_same():
     made = extracted(Extract(path="n", file="tasks/n.yaml"), task, CATALOG)
     catalog = with_files(n=made.text)
     assert not validate(loads(made.text), catalog).errors
-    after = apply(task, made.edit).task
-    assert apply(after, expanded(Inline(path="n"), after, catalog)).task == task
