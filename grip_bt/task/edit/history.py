@@ -22,7 +22,6 @@ from .steps import Step, backwards
 
 LIMIT = 1000
 """Moments that a history holds, unless it is told otherwise."""
-VERSION = 3
 LARGEST = 10_000_000
 """Bytes of a file; a larger history is stored without its oldest moments."""
 OUTSIDE = "changed outside"
@@ -224,44 +223,23 @@ def load_history(path: Path, document: Document, limit: int = LIMIT) -> History:
     """Return the history of a task whose file holds `document` now; a new one where there is no file.
 
     Raises:
-        DocumentError: the file is damaged or of a newer version; delete it, and begin with a new history.
+        DocumentError: the file is damaged or of another version; delete it, and begin with a new history.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        return restored(path.read_text(encoding="utf-8"), document, limit)
     except FileNotFoundError:
         return History(document, limit)
-    except (OSError, UnicodeDecodeError) as error:
-        message = f"the edit history can't be read: {error}; delete the file to start a new one"
+    except (OSError, ValueError, RecursionError, DocumentError) as error:
+        why = str(error).splitlines()[0]
+        message = f"the edit history can't be read ({why}); delete the file to start a new one"
         raise DocumentError(message, str(path)) from None
-    history = restored(text, document.source, limit, str(path))
-    if history.document.text != document.text:
+
+
+def restored(text: str, document: Document, limit: int = LIMIT) -> History:
+    """Return the history that a text holds; a document that differs from its last one was changed outside."""
+    kept = _Stored.model_validate_json(text)
+    last = next(moment.text for moment in kept.moments if moment.number == kept.at)
+    history = History.restored(read_text(last, document.source), kept.moments, kept.at, limit)
+    if last != document.text:
         history.do(rewrite(history.document, document.text, OUTSIDE))
     return history
-
-
-def restored(text: str, source: str, limit: int = LIMIT, where: str = "") -> History:
-    """Return the history that a text holds; `source` names its task and `where` the file in messages.
-
-    Raises:
-        DocumentError: it holds none.
-    """
-    try:
-        found = json.loads(text)
-        version = found.get("grip_history") if isinstance(found, dict) else None
-        if isinstance(version, int) and version > VERSION:
-            newer = f"version {version} of the edit history is newer than this version of GRIP reads ({VERSION})"
-            raise DocumentError(f"{newer}; run `pip install -U grip-bt`", where)
-        kept = _Stored.model_validate_json(text)
-        document = read_text(next(moment.text for moment in kept.moments if moment.number == kept.at), source)
-    except DocumentError as error:
-        if where == error.source:
-            raise
-        raise _corrupt(error.message, where) from None
-    except (ValueError, RecursionError) as error:
-        raise _corrupt(str(error), where) from None
-    return History.restored(document, kept.moments, kept.at, limit)
-
-
-def _corrupt(words: str, where: str) -> DocumentError:
-    message = f"the edit history is corrupt ({words.splitlines()[0]}); delete the file to start a new one"
-    return DocumentError(message, where)

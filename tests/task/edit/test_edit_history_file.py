@@ -34,8 +34,8 @@ def test_undo_and_redo_of_a_stored_history_are_the_identity_on_bytes(data, task,
             continue
         texts[history.at.number] = history.document.text
         if data.draw(st.booleans()):
-            history = restored(stored(history), "")
-    again = restored(stored(history), "")
+            history = restored(stored(history), history.document)
+    again = restored(stored(history), history.document)
     assert (again.moments, again.at) == (history.moments, history.at)
     assert again.document.text == history.document.text
     number = again.at.number
@@ -107,18 +107,15 @@ def test_a_change_from_outside_is_one_more_moment(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (
-            lambda data: data.update(grip_history=4),
-            "version 4 of the edit history is newer than this version of GRIP reads",
-        ),
-        (lambda data: data["moments"][-1].update(text="grip: 1\n"), "is corrupt .* is missing"),
-        (lambda data: data.update(at=9), "is corrupt"),
-        (lambda data: data["moments"].pop(0), "is corrupt"),
-        (lambda data: data["moments"][2].update(parent=2), "is corrupt"),
-        (lambda data: data["moments"][2].update(number=1), "is corrupt"),
-        (lambda data: data["moments"][1].update(parent=None), "is corrupt"),
-        (lambda data: data["moments"][1].update(steps=[{"step": "burn"}]), "is corrupt"),
-        (lambda data: data.clear(), "is corrupt"),
+        (lambda data: data.update(grip_history=4), "can't be read"),
+        (lambda data: data["moments"][-1].update(text="grip: 1\n"), "can't be read .* is missing"),
+        (lambda data: data.update(at=9), "can't be read"),
+        (lambda data: data["moments"].pop(0), "can't be read"),
+        (lambda data: data["moments"][2].update(parent=2), "can't be read"),
+        (lambda data: data["moments"][2].update(number=1), "can't be read"),
+        (lambda data: data["moments"][1].update(parent=None), "can't be read"),
+        (lambda data: data["moments"][1].update(steps=[{"step": "burn"}]), "can't be read"),
+        (lambda data: data.clear(), "can't be read"),
     ],
 )
 def test_a_damaged_history_is_refused_and_says_what_to_do(tmp_path, change, words):
@@ -132,7 +129,7 @@ def test_a_damaged_history_is_refused_and_says_what_to_do(tmp_path, change, word
     path.write_text(json.dumps(data))
     with pytest.raises(DocumentError, match=words) as caught:
         load_history(path, read_text(TEXT))
-    assert "pip install -U" in str(caught.value) or "delete the file to start a new one" in str(caught.value)
+    assert "delete the file to start a new one" in str(caught.value)
 
 
 def test_a_history_that_cannot_be_written_is_a_typed_error(tmp_path):
