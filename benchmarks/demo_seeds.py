@@ -14,13 +14,13 @@ import time
 
 
 def one(seed: int, target: str) -> dict:
-    """Run one seed in a process of its own and return its summary."""
+    """Run one seed in a process of its own and return its result."""
     began = time.monotonic()
     command = [sys.executable, "-m", "grip_bt.cli", "demo", "--seed", str(seed), "--as", target, "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     last = (done.stdout.strip().splitlines() or ["{}"])[-1]
-    summary = json.loads(last) if last.startswith("{") else {}
-    return {**summary, "seed": seed, "exit": done.returncode, "wall": time.monotonic() - began, "stderr": done.stderr}
+    result = json.loads(last) if last.startswith("{") else {}
+    return {**result, "seed": seed, "exit": done.returncode, "wall": time.monotonic() - began, "stderr": done.stderr}
 
 
 def main() -> int:
@@ -30,16 +30,16 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--as", dest="target", choices=("bt", "sm"), default="bt")
     args = parser.parse_args()
-    print("| seed | in the crate | attempts | why attempts failed | simulated s | wall s | exit |")
-    print("|---|---|---|---|---|---|---|")
+    print("| seed | in the crate | why it failed | simulated s | wall s | exit |")
+    print("|---|---|---|---|---|---|")
     rows = []
     for seed in range(args.first, args.first + args.seeds):
         row = one(seed, args.target)
         rows.append(row)
-        why = ", ".join(row.get("failures", [])) or "-"
-        placed, objects = row.get("placed", "?"), row.get("objects", "?")
-        attempts, simulated = row.get("attempts", "?"), row.get("simulated", float("nan"))
-        cells = (seed, f"{placed} of {objects}", attempts, why, f"{simulated:.1f}", f"{row['wall']:.1f}", row["exit"])
+        truth, simulated = row.get("truth", {}), row.get("duration", float("nan"))
+        placed = sum(state == "placed" for state in truth.values())
+        why = row.get("message") or "-"
+        cells = (seed, f"{placed} of {len(truth)}", why, f"{simulated:.1f}", f"{row['wall']:.1f}", row["exit"])
         print("| " + " | ".join(map(str, cells)) + " |", flush=True)
         if row["exit"] != 0:
             print(row["stderr"], file=sys.stderr)

@@ -21,13 +21,14 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
+from attempts import CHECKS, AttemptRecorder, summary
 from scipy.stats import binomtest
 
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.app.runs.verdict import Verdict
 from grip_bt.app.wiring.equipment import Equipment
 from grip_bt.base.errors import GripError
-from grip_bt.cli.demo import ATTEMPT, DEMOS, AttemptRecorder, demo_task, summary
+from grip_bt.cli.demo import ATTEMPT, demo_task
 from grip_bt.compilers.binding import parts_of
 from grip_sim.faults import Fault
 
@@ -44,7 +45,7 @@ def trial(chance: float, seed: int, journal: Path, equipment: Equipment) -> dict
             runner, referee = session.runner, session.resources.referee
             meaning = parts_of(runner.compiled)[ATTEMPT].meaning
             clock = runner.context.clock.now
-            recorder = AttemptRecorder(ATTEMPT, DEMOS["reactive"].check, clock, referee.truth, meaning=meaning)
+            recorder = AttemptRecorder(ATTEMPT, CHECKS["reactive"], clock, referee.truth, meaning=meaning)
             runner.observe(recorder)
             verdict = Verdict(session)
             result = runner.run()

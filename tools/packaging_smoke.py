@@ -143,7 +143,7 @@ def sim(grip: Path, work: Path, around: Surroundings) -> str:
     end = json.loads(_told(grip, work, around, "demo", "--json").strip().splitlines()[-1])
     if new := {file for file in site.rglob("*") if file.suffix != ".pyc"} - before:
         raise SmokeError(f"grip demo wrote into the installation: {sorted(new)[:5]}")
-    return f"grip demo: {end['result'] if 'result' in end else end}"
+    return f"grip demo: {end}"
 
 
 def ros(grip: Path, work: Path, around: Surroundings) -> str:

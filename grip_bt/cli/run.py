@@ -221,14 +221,14 @@ def _supervise(args: argparse.Namespace, options: RunOptions) -> int:
         started = supervisor.started
         tell_end({**end, "run": started["run"] if started else None}, args.json)
         if started and not args.json:
-            _tell_failures(started, end["message"])
+            tell_failures(started["journal"], started["run"], end["message"])
     return exit_status(end)
 
 
-def _tell_failures(started: Mapping[str, Any], said: str) -> None:
+def tell_failures(journal: Path | str, run: str, said: str) -> None:
     """Print why leaves failed, also where the task has recovered from it; not what was said already."""
-    with JournalReader(started["journal"]) as reader:
-        found = failures(reader.events(started["run"]))
+    with JournalReader(journal) as reader:
+        found = failures(reader.events(run))
     if sum(count for count, _ in found.values()) > 1 or not said:
         for (path, code), (count, message) in found.items():
             print(f"  {count:>3}x {path}: {code}" + (f": {message}" if message else ""))

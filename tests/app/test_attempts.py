@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from trial_attempts import AttemptRecorder
+
 from grip_bt.base.values import Failure
-from grip_bt.cli.demo import AttemptRecorder
 
 LEFT, LOST = Failure("something_left", "", {}), Failure("no_contact", "", {})
 
