@@ -12,7 +12,6 @@
 
 from grip_bt.runtime.journal_events import RunSnapshot as RunSnapshot
 
-from .clock import ManualClock as ManualClock
 from .clock import WallClock as WallClock
 from .context import RunContext as RunContext
 from .context import RunParts as RunParts

@@ -5,7 +5,6 @@ from __future__ import annotations
 import heapq
 import threading
 import time
-from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import Protocol
 
@@ -47,32 +46,6 @@ class WallClock:
         if self._stood_at is not None:
             self._start = time.monotonic() - self._stood_at
             self._stood_at = None
-
-
-class ManualClock:
-    """Moves only when it is told to, so that a time-out of 30 s is tested in no time."""
-
-    def __init__(self, start: float = 0.0):
-        self._time = start
-        self._lock = threading.Lock()
-        self._listeners: list[Callable[[], None]] = []
-
-    def now(self) -> float:
-        return self._time
-
-    def advance(self, seconds: float) -> None:
-        """Let `seconds` [s] pass, and have those woken who wait for the time; ValueError where they are negative."""
-        if seconds < 0:
-            raise ValueError(f"time doesn't go back: {seconds} s")
-        with self._lock:
-            self._time += seconds
-            listeners = list(self._listeners)
-        for listener in listeners:
-            listener()
-
-    def on_advance(self, listener: Callable[[], None]) -> None:
-        with self._lock:
-            self._listeners.append(listener)
 
 
 class Waker:

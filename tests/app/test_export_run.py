@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from timed import ManualClock
 
 from grip_bt.app.runs.export import COLUMNS, FORMATS, export_run
 from grip_bt.app.runs.motion_record import motion_file
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import CameraInfo, DepthImage, Failure, Grasp, Image, PointCloud, Pose, RgbdFrame
 from grip_bt.cli.__main__ import main
-from grip_bt.runtime import Journal, JournalReader, ManualClock
+from grip_bt.runtime import Journal, JournalReader
 from grip_bt.runtime.observers import Recorder
 
 RNG = np.random.default_rng(4)

@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from timed import ManualClock
 
 from grip_bt.app.runs.export_mcap import _line
 from grip_bt.app.runs.replay import ENDS, line_of
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.runtime import Event, Journal, JournalReader, ManualClock, RunContext, Runner
+from grip_bt.runtime import Event, Journal, JournalReader, RunContext, Runner
 from grip_bt.task import Task, dumps
 from grip_bt.task.catalog import Catalog
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from timed import ManualClock, OnClock, TimedExecutor
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import (
@@ -14,9 +15,8 @@ from grip_bt.base.failures import (
 )
 from grip_bt.base.ports import Arm, Camera, Component
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
-from grip_bt.commanders.fake import AtOnce, FakeArm, FakeCamera, FakeComponent, FakeExecutor, FakeHand, OnClock
+from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeExecutor, FakeHand
 from grip_bt.commanders.hand import HandCommander
-from grip_bt.runtime.clock import ManualClock
 
 START = JointState(("a",), [0.0])
 
@@ -38,12 +38,6 @@ def test_things_due_on_a_clock_happen_in_order_within_one_move():
     assert [delay for delay, _ in happened] == [1.0, 1.0, 2.0, 3.0]
 
 
-def test_at_once_time_passes_by_itself():
-    schedule, happened = AtOnce(), []
-    schedule.after(2.5, lambda: happened.append(schedule.now()))
-    assert happened == [2.5]
-
-
 def test_an_executor_follows_its_script_and_then_does_as_asked():
     executor = FakeExecutor(START, script=[ExecutionAbortedError("stuck"), None])
     with pytest.raises(ExecutionAbortedError, match="stuck"):
@@ -62,7 +56,7 @@ def test_an_executor_refuses_joints_that_are_not_its_own():
 
 def test_a_new_motion_ends_the_one_under_way():
     clock = ManualClock()
-    executor = FakeExecutor(START, OnClock(clock))
+    executor = TimedExecutor(START, OnClock(clock))
     first = executor.execute(ramp())
     clock.advance(1.0)
     second = executor.execute(Trajectory(("a",), [0.0, 1.0], [[0.5], [0.7]]))
@@ -138,14 +132,11 @@ def test_a_camera_gives_its_frames_in_turn_and_fails_where_told():
         FakeCamera(info).capture().result()
 
 
-def test_a_component_replies_in_turn_after_its_delay():
-    clock = ManualClock()
+def test_a_component_replies_in_turn():
     replies = [{"outcome": 0}, lambda request: {"outcome": request["input"]}, ServerTimeOutError("slow")]
-    component = FakeComponent(replies, OnClock(clock), delay=1.0)
+    component = FakeComponent(replies)
     assert isinstance(component, Component)
     operations = [component.call({"input": 7}) for _ in range(3)]
-    assert not any(operation.done() for operation in operations)
-    clock.advance(1.0)
     assert [operation.result() for operation in operations[:2]] == [{"outcome": 0}, {"outcome": 7}]
     with pytest.raises(ServerTimeOutError):
         operations[2].result()

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from timed import ManualClock, OnClock, TimedExecutor, TimedHand
 
 from grip_bt.base.failures import ExecutionAbortedError, SensorError
 from grip_bt.base.values import JointState, Trajectory
-from grip_bt.commanders.fake import FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.pausing import ASIDE, PausableExecutor, PausableHand, rest_of
 from grip_bt.commanders.trajectory.limits import Limits
 from grip_bt.commanders.trajectory.timing import timed
-from grip_bt.runtime.clock import ManualClock
 
 NAMES = ("a", "b")
 LIMITS = np.array([8.0, 8.0])
@@ -76,7 +75,7 @@ def test_a_path_that_crosses_itself_is_gone_on_with_where_the_time_says():
 
 def test_joints_that_were_moved_meanwhile_end_the_motion():
     clock = ManualClock()
-    fake = FakeExecutor(JointState(NAMES, [1.0, 0.0]), OnClock(clock))
+    fake = TimedExecutor(JointState(NAMES, [1.0, 0.0]), OnClock(clock))
     held = PausableExecutor(fake)
     operation = held.execute(arc())
     clock.advance(1.0)
@@ -90,7 +89,7 @@ def test_joints_that_were_moved_meanwhile_end_the_motion():
 
 def test_joints_of_which_nothing_is_known_any_more_end_the_motion(monkeypatch: pytest.MonkeyPatch):
     clock = ManualClock()
-    fake = FakeExecutor(JointState(NAMES, [1.0, 0.0]), OnClock(clock))
+    fake = TimedExecutor(JointState(NAMES, [1.0, 0.0]), OnClock(clock))
     held = PausableExecutor(fake)
     operation = held.execute(arc())
     clock.advance(1.0)
@@ -109,7 +108,7 @@ def test_joints_of_which_nothing_is_known_any_more_end_the_motion(monkeypatch: p
 def test_fingers_are_held_and_close_on_what_they_closed_on():
     clock = ManualClock()
     names, thing = ("f",), JointState(("f",), [0.6])
-    fake = FakeHand(JointState(names, [0.0]), OnClock(clock), thing)
+    fake = TimedHand(JointState(names, [0.0]), OnClock(clock), thing)
     hand = PausableHand(fake)
     operation = hand.move(JointState(names, [1.0]), 1.0, 0.5)
     clock.advance(0.3)
@@ -130,7 +129,7 @@ def test_with_limits_of_jerk_nothing_is_beyond_them_from_the_start_over_pauses_t
     """What joints do at 1 kHz: a motion, held at any moment, gone on with, and held once more."""
     clock, jerks = ManualClock(), {name: 60.0 + 10 * sharp for name in NAMES}
     limits = {name: 8.0 for name in NAMES}
-    fake = FakeExecutor(JointState(NAMES, [1.0, 0.0]), OnClock(clock), accelerations=limits, jerks=jerks)
+    fake = TimedExecutor(JointState(NAMES, [1.0, 0.0]), OnClock(clock), accelerations=limits, jerks=jerks)
     held = PausableExecutor(fake, limits, clock.now, jerks)
     motion = timed_arc(np.full(2, 8.0), np.array(list(jerks.values())))
     operation, rows = held.execute(motion), [fake.state().position]

@@ -3,19 +3,18 @@
 import numpy as np
 import pytest
 from table_top import named, robot_model, room
+from timed import ManualClock, OnClock, TimedExecutor
 
 from grip_bt.base.failures import ExpectedError, NoIkError, OutOfLimitsError, PathInvalidError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Steerable
 from grip_bt.base.values import Pose, Trajectory
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
-from grip_bt.commanders.fake import FakeExecutor, OnClock
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import PlanServoStep
 from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.commanders.steering import HOLD, SAMPLING, approaching, spliced, steered
-from grip_bt.runtime.clock import ManualClock
 
 TICK = 0.05
 
@@ -44,7 +43,7 @@ class Later:
 
 
 class Rig:
-    def __init__(self, executor=FakeExecutor, speed=0.6):
+    def __init__(self, executor=TimedExecutor, speed=0.6):
         self.model, self.clock = robot_model(), ManualClock()
         self.executor = executor(named(self.model, "arm", "home"), OnClock(self.clock))
         self.scene = room(self.model, hand=lambda: self.arm.grasp_pose())
@@ -169,7 +168,7 @@ def test_a_stop_brings_a_steered_motion_to_rest(rig):
 def test_an_executor_that_knows_no_going_on_rests_after_each_step():
     class Plain:
         def __init__(self, *given):
-            self.inner = FakeExecutor(*given)
+            self.inner = TimedExecutor(*given)
             self.joint_names, self.state = self.inner.joint_names, self.inner.state
             self.execute, self.stop = self.inner.execute, self.inner.stop
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from timed import ManualClock, OnClock, TimedArm, TimedExecutor
 
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor
 from grip_bt.base.values import JointState, Pose, Trajectory
-from grip_bt.commanders.fake import FakeArm, FakeExecutor, OnClock
 from grip_bt.commanders.joined import JoinedExecutor, all_of, execute_together
-from grip_bt.runtime.clock import ManualClock
 
 
 @pytest.fixture
@@ -20,7 +19,7 @@ def clock():
 
 
 def arm(clock, y, **more):
-    return FakeArm("arm", Pose((0.3, y, 0.5)), OnClock(clock), **more)
+    return TimedArm("arm", Pose((0.3, y, 0.5)), OnClock(clock), **more)
 
 
 def test_two_arms_end_at_the_same_time_where_they_were_sent(clock):
@@ -79,8 +78,8 @@ def test_what_cannot_be_started_cancels_what_was():
 
 
 def test_a_joined_executor_is_one_executor_of_all_joints(clock):
-    first = FakeExecutor(JointState(("a", "b"), [0.0, 1.0]), OnClock(clock))
-    second = FakeExecutor(JointState(("c",), [2.0]), OnClock(clock))
+    first = TimedExecutor(JointState(("a", "b"), [0.0, 1.0]), OnClock(clock))
+    second = TimedExecutor(JointState(("c",), [2.0]), OnClock(clock))
     joined = JoinedExecutor(first, second)
     assert isinstance(joined, Executor)
     assert joined.state().position.tolist() == [0.0, 1.0, 2.0]
@@ -96,8 +95,8 @@ def test_a_joined_executor_is_one_executor_of_all_joints(clock):
 
 
 def test_a_joined_motion_stops_altogether(clock):
-    first = FakeExecutor(JointState(("a",), [0.0]), OnClock(clock))
-    second = FakeExecutor(JointState(("b",), [0.0]), OnClock(clock), script=[ExecutionAbortedError("stuck")])
+    first = TimedExecutor(JointState(("a",), [0.0]), OnClock(clock))
+    second = TimedExecutor(JointState(("b",), [0.0]), OnClock(clock), script=[ExecutionAbortedError("stuck")])
     joined = JoinedExecutor(first, second)
     moving = joined.execute(Trajectory(("a", "b"), [0.0, 2.0], [[0.0, 0.0], [1.0, 1.0]]))
     clock.advance(1.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from robot_files import SRDF, urdf
+from timed import ManualClock, OnClock, TimedExecutor
 
 from grip_bt.base.failures import OutOfLimitsError, PathInvalidError
 from grip_bt.base.operation import Operation
@@ -13,7 +14,6 @@ from grip_bt.base.values.solids import Box
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import load_robot
-from grip_bt.commanders.fake import FakeExecutor, OnClock
 from grip_bt.commanders.joined import execute_together
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
@@ -22,7 +22,6 @@ from grip_bt.commanders.planning.requests import CheckTogether, Situation
 from grip_bt.commanders.scene_state import HandMount, SceneObject, SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.commanders.trajectory.splines import eased
-from grip_bt.runtime.clock import ManualClock
 
 UPRIGHT = np.zeros(6)
 SIDES = ("left", "right")
@@ -188,7 +187,7 @@ def arms(model, carriers):
         def snapshot(self):
             return SceneSnapshot({}, carriers=carriers)
 
-    executors = {side: FakeExecutor(at(model, side), OnClock(clock)) for side in SIDES}
+    executors = {side: TimedExecutor(at(model, side), OnClock(clock)) for side in SIDES}
     made = {
         side: ArmCommander(
             ArmSetup(side, f"{side}_manipulator", f"{side}_hand", PlanningSettings(planning_time=600.0)),

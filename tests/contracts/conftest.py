@@ -32,16 +32,14 @@ from simulated_rigs import (
     simulated_executor,
     simulated_hand_port,
 )
+from timed import BRAKING, ManualClock, OnClock, TimedArm, TimedExecutor, TimedHand
 
 from grip_bt.base.failures import ExecutionAbortedError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.description.load import build_robot
-from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
-from grip_bt.commanders.fake.hand import BRAKING
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.joined import JoinedExecutor
 from grip_bt.commanders.pausing import PausableExecutor, PausableHand
-from grip_bt.runtime.clock import ManualClock
 
 
 @contextmanager
@@ -49,7 +47,7 @@ def fake_executor() -> Iterator[ExecutorRig]:
     clock, spoiled = ManualClock(), list[ExecutionAbortedError]()
     start, goal = JointState(("a", "b"), [0.1, -0.2]), JointState(("a", "b"), [0.6, 0.1])
     script = (spoiled.pop() if spoiled else None for _ in count())
-    executor = FakeExecutor(start, OnClock(clock), script)
+    executor = TimedExecutor(start, OnClock(clock), script)
     yield ExecutorRig(
         executor, clock.advance, goal, lambda: spoiled.append(ExecutionAbortedError("spoiled")), exact=True
     )
@@ -65,7 +63,7 @@ def _fingers() -> tuple[JointState, JointState, JointState]:
 def fake_hand_port() -> Iterator[HandRig]:
     clock = ManualClock()
     opened, closed, thing = _fingers()
-    port = FakeHand(opened, OnClock(clock))
+    port = TimedHand(opened, OnClock(clock))
 
     def put(what: JointState | None) -> None:
         port.thing = what
@@ -85,7 +83,7 @@ def commanded_fake_hand() -> Iterator[HandRig]:
 @contextmanager
 def fake_arm() -> Iterator[ArmRig]:
     clock = ManualClock()
-    arm = FakeArm("right", Pose([0.3, -0.4, 0.5]), OnClock(clock))
+    arm = TimedArm("right", Pose([0.3, -0.4, 0.5]), OnClock(clock))
     away = JointState(arm.state().names, [0.5, 0.0, 0.3, 0.0, 0.2, 0.1])
     yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.05, 0.1]), exact=True)
 
@@ -100,7 +98,7 @@ def commanded_arm() -> Iterator[ArmRig]:
     clock = ManualClock()
     model = RobotModel(build_robot("panda_allegro"))
     home, opened = (model.description.named_state(*s) for s in (("arm", "home"), ("hand", "open")))
-    executor = FakeExecutor(home, OnClock(clock))
+    executor = TimedExecutor(home, OnClock(clock))
     scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())})
     scene.set_box("table", (0.7, 1.2, 0.1), Pose([0.65, 0, -0.05]))
     setup = ArmSetup("right", hand="hand", settings=PATIENT)
@@ -151,7 +149,7 @@ def joined_fake_executors() -> Iterator[ExecutorRig]:
     """Two executors of one joint each, as one."""
     clock = ManualClock()
     schedule = OnClock(clock)
-    parts = [FakeExecutor(JointState((name,), [at]), schedule) for name, at in (("a", 0.1), ("b", -0.2))]
+    parts = [TimedExecutor(JointState((name,), [at]), schedule) for name, at in (("a", 0.1), ("b", -0.2))]
     yield ExecutorRig(JoinedExecutor(*parts), clock.advance, JointState(("a", "b"), [0.6, 0.1]), exact=True)
 
 

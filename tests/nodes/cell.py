@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from timed import ManualClock, OnClock, TimedArm, TimedHand
+
 from grip_bt.base.values import JointState, Pose
-from grip_bt.commanders.fake import FakeArm, FakeHand, OnClock
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.runtime.clock import ManualClock
 
 OPEN, CLOSED = (JointState(("finger", "thumb"), [angle, angle]) for angle in (0.0, 1.0))
 SUCCESS = ("SUCCESS", "success", None)
@@ -18,8 +18,8 @@ class Cell:
     def __init__(self, world, **script):
         self.clock, self.world = ManualClock(), world
         self.schedule = OnClock(self.clock)
-        self.arm = FakeArm("right", Pose((0.3, -0.4, 0.5)), self.schedule, script=script)
-        self.port = FakeHand(OPEN, self.schedule)
+        self.arm = TimedArm("right", Pose((0.3, -0.4, 0.5)), self.schedule, script=script)
+        self.port = TimedHand(OPEN, self.schedule)
         fingers = {"finger": ("finger",), "thumb": ("thumb",)}
         self.hand = HandCommander(
             "right_hand", self.port, {"open": OPEN, "closed": CLOSED}, fingers=fingers, touch=self.port

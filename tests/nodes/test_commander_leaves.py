@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cell import CLOSED, OPEN, SUCCESS, Cell
+from timed import TimedArm
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExecutionAbortedError, NoIkError, OutOfLimitsError, PathInvalidError, SensorError
 from grip_bt.base.values import JointState, Pose, Trajectory
-from grip_bt.commanders.fake import FakeArm
 
 BRAKING = 1.0
 """A fake is at rest so long after it was told to stop [s]."""
@@ -90,7 +90,7 @@ def test_a_trajectory_that_cannot_be_followed_moves_nothing_and_says_why(world, 
 
 
 def test_arms_move_together_by_their_plans(cell):
-    other = FakeArm("left", Pose((0.3, 0.4, 0.5)), cell.schedule)
+    other = TimedArm("left", Pose((0.3, 0.4, 0.5)), cell.schedule)
     arms = {"right": cell.arm, "left": other}
     cell.world.context.arm = lambda name: arms[name]
     plans = [arm.plan(arm.grasp_pose().moved((0, 0, up))).result() for arm, up in ((cell.arm, 0.2), (other, 0.4))]

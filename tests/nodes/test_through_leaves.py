@@ -6,12 +6,11 @@ import re
 from pathlib import Path
 
 import pytest
+from timed import ManualClock, OnClock, TimedArm
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import NoIkError, PathInvalidError
 from grip_bt.base.values import PathConstraint, Pose, WayPoint
-from grip_bt.commanders.fake import FakeArm, OnClock
-from grip_bt.runtime.clock import ManualClock
 from grip_bt.task import loads
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
@@ -19,7 +18,7 @@ from grip_bt.task.validation import validate
 OFFSETS = [[0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.0, 0.1, 0.0]]
 
 
-class Asked(FakeArm):
+class Asked(TimedArm):
     """A fake arm that remembers the way points that it was asked for."""
 
     asked: tuple[WayPoint, ...] = ()

@@ -11,13 +11,13 @@ from typing import Any
 from oracle.running import FACES, MAX_ACTIVATIONS, MAX_TURNS, TIRED, Oracle, Run
 from py_trees.common import Status
 from py_trees.trees import BehaviourTree
+from timed import ManualClock
 
 from grip_bt.base.errors import DataError, NodeError
 from grip_bt.compilers import Halted, to_machine, to_tree
 from grip_bt.compilers.scopes import Scopes
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import halt
-from grip_bt.runtime import ManualClock
 from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.catalog import Catalog, Manifest, TaskTexts
 from grip_bt.task.model import Subtask, Task, walk

@@ -9,13 +9,14 @@ import pytest
 from parity_generate import make_case
 from parity_world import FACES, catalog_of
 from py_trees.common import Status
+from timed import ManualClock
 
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers import to_tree
 from grip_bt.compilers.binding import implementation_of
 from grip_bt.formats.btcpp import from_xml, to_xml
 from grip_bt.nodes import Leaf
-from grip_bt.runtime import ManualClock, RunContext
+from grip_bt.runtime import RunContext
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 

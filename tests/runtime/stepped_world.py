@@ -8,11 +8,13 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from timed import ManualClock
+
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.nodes import OperationLeaf
 from grip_bt.nodes.node import Observer
-from grip_bt.runtime import ManualClock, RunContext, Runner, RunParts
+from grip_bt.runtime import RunContext, Runner, RunParts
 from grip_bt.runtime.lockstep import Lockstep
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task

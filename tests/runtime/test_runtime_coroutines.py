@@ -11,14 +11,14 @@ from typing import Any
 
 import pytest
 from runtime_world import TARGETS, Started
+from timed import ManualClock, OnClock, TimedArm
 
 import grip_bt as grip
 from grip_bt.base.failures import NoPlanError
 from grip_bt.base.operation import Operation
 from grip_bt.commanders.fake import FakeArm
-from grip_bt.commanders.fake.joints import OnClock
 from grip_bt.compilers import to_tree
-from grip_bt.runtime import Journal, JournalReader, ManualClock, RunContext, Runner, RunParts
+from grip_bt.runtime import Journal, JournalReader, RunContext, Runner, RunParts
 from grip_bt.task.catalog import Catalog, Manifest, read_python_nodes
 from grip_bt.task.model import Task
 
@@ -130,9 +130,9 @@ def test_an_arm_is_moved_by_awaiting_its_plan_and_its_motion() -> None:
     clock = ManualClock()
     home = FakeArm().state()
     there = type(home)(home.names, home.position + 0.5)
-    arm = FakeArm(schedule=OnClock(clock), states={"there": there})
+    arm = TimedArm(schedule=OnClock(clock), states={"there": there})
     run = run_of(Moves, to_tree, RunContext(clock, RunParts(arms={"right": arm}, pausable=[arm]))).start()
-    wait_for(lambda: arm._gantry.executed)
+    wait_for(lambda: arm.timed.executed)
     clock.advance(100.0)
     assert run.join().status == "success"
     assert (arm.state().position == there.position).all()

@@ -14,8 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from timed import ManualClock
 
-from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock, WallClock
+from grip_bt.runtime import Journal, JournalError, JournalReader, WallClock
 from grip_bt.runtime import journal as journals
 from grip_bt.runtime.journal_events import checksum, packed, unpacked
 from grip_bt.runtime.observers import Recorder

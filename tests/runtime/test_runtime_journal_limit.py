@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from timed import ManualClock
 
-from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock
+from grip_bt.runtime import Journal, JournalError, JournalReader
 from grip_bt.runtime.journal_rows import ROOM, prune, size_of
 from grip_bt.runtime.observers import Recorder
 

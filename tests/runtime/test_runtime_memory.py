@@ -11,9 +11,10 @@ from typing import Any
 import pytest
 from py_trees.common import Status
 from runtime_world import TARGETS
+from timed import ManualClock
 
 from grip_bt.nodes import Leaf
-from grip_bt.runtime import Journal, JournalReader, ManualClock, RunContext, Runner
+from grip_bt.runtime import Journal, JournalReader, RunContext, Runner
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
 

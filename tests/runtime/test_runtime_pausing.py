@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 from runtime_world import TARGETS, Started, leaf
+from timed import ManualClock, OnClock, TimedArm
 
 from grip_bt.base.errors import MissingPartError, UnknownNameError
 from grip_bt.base.ports import Context, Pausable
 from grip_bt.commanders.fake import FakeArm
-from grip_bt.commanders.fake.joints import OnClock
 from grip_bt.compilers import to_tree
 from grip_bt.nodes.function import leaf as leaf_of
-from grip_bt.runtime import ManualClock, RunContext, Runner, RunParts, WallClock
+from grip_bt.runtime import RunContext, Runner, RunParts, WallClock
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Task
 
@@ -69,7 +69,7 @@ def test_a_wall_clock_leaves_pauses_out(time_passes: Passing) -> None:
 def test_a_paused_run_holds_the_arm_in_the_middle_of_its_motion_and_goes_on() -> None:
     clock = ManualClock()
     home = FakeArm().state()
-    arm = FakeArm(schedule=OnClock(clock), states={"there": type(home)(home.names, home.position + 0.5)})
+    arm = TimedArm(schedule=OnClock(clock), states={"there": type(home)(home.names, home.position + 0.5)})
     context = RunContext(clock, RunParts(arms={"right": arm}, pausable=[arm]))
     root = {"node": "arm/move_to", "with": {"state": "there"}}
     task = Task.model_validate({"grip": 1, "name": "t", "root": root})
@@ -77,7 +77,7 @@ def test_a_paused_run_holds_the_arm_in_the_middle_of_its_motion_and_goes_on() ->
     results: list[Any] = []
     thread = threading.Thread(target=lambda: results.append(runner.run()), daemon=True)
     thread.start()
-    while not arm._gantry.executed:
+    while not arm.timed.executed:
         time.sleep(0.001)
     clock.advance(0.4)
     half = arm.state().position

@@ -9,9 +9,10 @@ from typing import Any
 import pytest
 from py_trees.common import Status
 from runtime_world import CATALOG, Waiting
+from timed import ManualClock
 
 from grip_bt.compilers import to_tree
-from grip_bt.runtime import Event, ManualClock, ReExecution, RunContext, Runner, WallClock
+from grip_bt.runtime import Event, ReExecution, RunContext, Runner, WallClock
 from grip_bt.runtime.recording import RecordedClock, Recording
 from grip_bt.task.model import Task
 

@@ -8,10 +8,11 @@ from typing import Any
 import pytest
 from py_trees.common import Status
 from runtime_world import TARGETS, Started, leaf
+from timed import ManualClock
 
 from grip_bt.base.errors import MissingPartError, NodeError, UnknownNameError
 from grip_bt.compilers import to_machine
-from grip_bt.runtime import ManualClock, RunContext, RunParts
+from grip_bt.runtime import RunContext, RunParts
 
 both = pytest.mark.parametrize("target", TARGETS)
 SEQUENCE = {"kind": "sequence", "children": {"a": leaf("end"), "w": leaf("wait")}}

@@ -209,7 +209,6 @@ def open_fakes(opening: Opening, stack: ExitStack) -> Resources:
         hands={name: commander for name, (_, commander) in hands.items()},
         cameras={name: FakeCamera(CAMERA, [empty_table()]) for name, s in file.sensors.items() if s.camera},
         scene=PlanningScene(palms, _CRATE, project.room(), folder=project.folder),
-        pausable=tuple(arms.values()),
         fakes=FakeState(arms, {name: port for name, (port, _) in hands.items()}, taught=taught),
     )
 

@@ -6,7 +6,7 @@ say, but move no hand.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +20,6 @@ from grip_bt.base.values.pose import quaternion_about
 
 from ..arm import ArmCommander, ArmSetup
 from ..joined import require_joints
-from ..pausing import PausableExecutor
 from ..planning.requests import (
     CheckTogether,
     CheckTrajectory,
@@ -37,7 +36,7 @@ from ..scene import PlanningScene
 from ..steered_motion import velocity_of
 from ..steering import jogged, steered
 from ..taught import TaughtStates
-from .joints import AtOnce, FakeExecutor, Schedule, Script, steps_of
+from .joints import FakeExecutor, Script, steps_of
 
 JOINTS = ("x", "y", "z", "rx", "ry", "rz")
 SPEED = 0.5
@@ -56,17 +55,17 @@ _VERBS: Mapping[type[Request], str] = {
 
 
 class FakeArm(ArmCommander):
-    """Implements `ports.Arm` and `ports.Pausable`.
+    """Implements `ports.Arm`.
 
     Args:
         name: the arm's name in the project.
         home: pose of the grasp frame in the state `home`, where it is at first.
-        schedule: its time; at once when None.
         states: further named states of the joints `JOINTS`.
         script: verb (`plan`, `plan_straight`, `plan_through`, `plan_from_trajectory`, `plan_step`, `choose_grasp`,
             `execute`) -> what becomes of each such request; `plan_step` is asked while the arm is steered.
         taught: what was taught before; nothing when None.
         own: where the robot's own joints are at first; it has none when None.
+        executor: makes what moves the joints, of where they are at first and the script of `execute`.
 
     Attributes:
         load: what its wrist bears; see `ports.Arm.wrench`.
@@ -76,22 +75,21 @@ class FakeArm(ArmCommander):
         self,
         name: str = "right",
         home: Pose | None = None,
-        schedule: Schedule | None = None,
         states: Mapping[str, JointState] | None = None,
         script: Mapping[str, Script] | None = None,
         taught: TaughtStates | None = None,
         own: JointState | None = None,
+        executor: Callable[[JointState, Script], FakeExecutor] = FakeExecutor,
     ):
-        own, schedule, scripts = own or JointState((), ()), schedule or AtOnce(), dict(script or {})
+        own, scripts = own or JointState((), ()), dict(script or {})
         pose = home or Pose([0.3, -0.4, 0.5])
         start = JointState((*own.names, *JOINTS), [*own.position, *_joints_of(pose)])
-        self._gantry = FakeExecutor(start, schedule, scripts.pop("execute", ()))
-        self._pausable = PausableExecutor(self._gantry, now=schedule.now)
+        self._gantry = executor(start, scripts.pop("execute", ()))
         known = {"home": start, **(states or {})}
         setup = ArmSetup(name, "gantry", states=known, taught=taught if taught is not None else TaughtStates())
         planner = _GantryPlanner(name, start.names, scripts)
         self.load = np.zeros(6)
-        super().__init__(setup, _GantryGeometry(), planner, self._pausable, PlanningScene({}), wrench=lambda: self.load)
+        super().__init__(setup, _GantryGeometry(), planner, self._gantry, PlanningScene({}), wrench=lambda: self.load)
 
     def put_back(self, position: Array) -> None:
         """Have the joints where they were, when nothing is under way.
@@ -103,12 +101,6 @@ class FakeArm(ArmCommander):
             ValueError: it has another shape.
         """
         self._gantry.put_back(position)
-
-    def pause(self) -> None:
-        self._pausable.pause()
-
-    def resume(self) -> None:
-        self._pausable.resume()
 
     def _situation(self, given: JointState | None = None) -> Situation:
         """Return it with those joints of `given` that it names; the others are where they are measured."""

@@ -1,8 +1,8 @@
-"""A fake hand: fingers that move evenly, and stop where a thing is."""
+"""A fake hand: fingers that stop where a thing is."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -10,10 +10,7 @@ from grip_bt.base.arrays import Array, Mask
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
 
-from .joints import AtOnce, FakeExecutor, Schedule, Script, steps_of
-
-BRAKING = 40.0
-"""How hard its fingers brake, as those of an Allegro hand [rad/s^2]."""
+from .joints import FakeExecutor, Script, steps_of
 
 
 class FakeHand:
@@ -21,12 +18,12 @@ class FakeHand:
 
     Args:
         start: where the fingers are at first.
-        schedule: its time; at once when None.
         thing: what is between the fingers: joint positions that they don't get past when closing, or None.
         forces: link -> force [N] while the fingers press on the thing.
         script: what becomes of each motion; an error ends it where it begins.
         closed: where the joints are when the hand is closed, `start` being where it is open; when None, larger is more
             closed.
+        executor: makes what moves the joints, of where they are at first.
 
     Attributes:
         slipping: how fast the thing slides along the links that touch it [m/s].
@@ -35,17 +32,16 @@ class FakeHand:
     def __init__(
         self,
         start: JointState,
-        schedule: Schedule | None = None,
         thing: JointState | None = None,
         forces: Mapping[str, float] | None = None,
         script: Script = (),
         closed: JointState | None = None,
+        executor: Callable[[JointState], FakeExecutor] = FakeExecutor,
     ):
-        self._schedule = schedule or AtOnce()
         closing = np.ones(len(start.names)) if closed is None else closed.ordered(start.names) - start.position
         self._flexes, self._extends = closing > 0, closing < 0
         self._names = start.names
-        self._joints = FakeExecutor(start, self._schedule, accelerations=dict.fromkeys(start.names, BRAKING))
+        self._joints = executor(start)
         self._forces = dict(forces or {"fingertip": 5.0})
         self._script = steps_of(script)
         self.torque_limits: list[float | None] = []
@@ -58,15 +54,14 @@ class FakeHand:
         return self._names
 
     def state(self) -> JointState:
-        position = self._blocked(self.kept())
-        effort = 0.5 * self._pressing().astype(float)
-        return JointState(self._names, position, np.zeros(len(position)), effort, self._schedule.stamp())
+        now, effort = self._joints.state(), 0.5 * self._pressing().astype(float)
+        return JointState(self._names, self._blocked(now.position), np.zeros(len(effort)), effort, now.time)
 
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
     ) -> Operation[JointState]:
         start, goal = self._blocked(self.kept()), posture.ordered(self._names)
-        self._joints.end_at(start)
+        self._joints.put_back(start)
         self.torque_limits.append(torque_limit)
         self.forces.append(force)
         failure = next(self._script)

@@ -10,8 +10,6 @@ from grip_bt.base.failures import ExpectedError, SensorError, ServerLostError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import CameraInfo, Pose, RgbdFrame
 
-from .joints import AtOnce, Schedule
-
 T = TypeVar("T")
 
 
@@ -61,17 +59,14 @@ class FakeComponent:
     Args:
         replies: one after the other, again and again: fields of the response, a function of the request that returns
             them, or an error.
-        schedule: its time; at once when None.
-        delay: time to an answer [s].
 
     Attributes:
         requests: what it was asked.
         given: how many replies it has given.
     """
 
-    def __init__(self, replies: Iterable[Reply] = (), schedule: Schedule | None = None, delay: float = 0.0):
+    def __init__(self, replies: Iterable[Reply] = ()):
         self._replies = cycle(tuple(replies))
-        self._schedule, self._delay = schedule or AtOnce(), delay
         self.requests: list[Mapping[str, object]] = []
         self.given = 0
 
@@ -89,16 +84,7 @@ class FakeComponent:
         self.requests.append(dict(request))
         self.given += 1
         reply = next(self._replies, ServerLostError("the fake component has no replies"))
-        operation: Operation[Mapping[str, object]] = Operation()
-
-        def answer() -> None:
-            if isinstance(reply, ExpectedError):
-                operation.fail(reply)
-            else:
-                operation.succeed(reply(request) if callable(reply) else reply)
-
-        self._schedule.after(self._delay, answer)
-        return operation
+        return _given(reply(request) if callable(reply) else reply)
 
 
 class FakeRos:

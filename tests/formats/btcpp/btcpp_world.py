@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from py_trees.common import Status
+from timed import ManualClock
 
 from grip_bt.compilers import to_tree
 from grip_bt.compilers.binding import implementation_of
 from grip_bt.formats.btcpp import from_xml
 from grip_bt.formats.imported import Imported
 from grip_bt.nodes import Leaf
-from grip_bt.runtime import ManualClock
 from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.validation import validate

@@ -18,12 +18,12 @@ from py_trees.behaviour import Behaviour
 from py_trees.blackboard import Blackboard
 from py_trees.common import ParallelPolicy, Status
 from random_trees import make_tree
+from timed import ManualClock
 
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.compilers import CompiledTree, to_tree
 from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.formats.pytrees import to_task, told
-from grip_bt.runtime import ManualClock
 from grip_bt.task import Task, dumps
 from grip_bt.task.catalog import AllowedImports, Catalog
 

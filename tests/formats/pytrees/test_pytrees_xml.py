@@ -17,12 +17,12 @@ from py_trees import behaviours, timers
 from py_trees.parsers.behaviour_tree_xml import parse_behaviour_tree_xml
 from py_trees.ports import PortsMixin
 from random_trees import make_tree
+from timed import ManualClock
 
 from grip_bt.base.errors import DocumentError, GripError, NotExpressibleError
 from grip_bt.cli.__main__ import main
 from grip_bt.formats.blackboard import text_of_value, value_of_text
 from grip_bt.formats.pytrees import from_xml, to_task, to_xml
-from grip_bt.runtime import ManualClock
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.validation import validate

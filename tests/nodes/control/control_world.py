@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from py_trees.common import Status
+from timed import ManualClock
 
 from grip_bt.compilers import CompiledTree, to_tree
 from grip_bt.nodes import Leaf
-from grip_bt.runtime import ManualClock
 from grip_bt.task.catalog import AllowedImports, Catalog, Manifest
 from grip_bt.task.model import Task
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from control_world import CATALOG, World, leaf
 from py_trees.common import Status
+from timed import ManualClock
 
 from grip_bt.compilers import Rushing, to_machine
-from grip_bt.runtime import ManualClock, RunContext
+from grip_bt.runtime import RunContext
 from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.model import Task
 

@@ -8,11 +8,12 @@ from typing import Any
 import pytest
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
+from timed import ManualClock
 
 from grip_bt.base.errors import NodeError
 from grip_bt.compilers import CompiledTree, Rushing, to_machine, to_tree
 from grip_bt.nodes import Leaf
-from grip_bt.runtime import ManualClock, RunContext, TickEngine
+from grip_bt.runtime import RunContext, TickEngine
 from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
