@@ -4,21 +4,34 @@ from __future__ import annotations
 
 import heapq
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.failures import CanceledError
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import CanceledError, ConstraintBrokenError, ExpectedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Pose, Trajectory
-from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, Script
+from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand
 from grip_bt.commanders.pausing import PausableExecutor
+from grip_bt.commanders.planning.requests import (
+    CheckTrajectory,
+    ChooseGrasp,
+    PlanServoStep,
+    PlanStraight,
+    PlanThrough,
+    PlanTo,
+    Request,
+)
 from grip_bt.commanders.steering import spliced
 from grip_bt.commanders.trajectory.stopping import accelerations_of, jerks_of, stop_ramp
 
+Script = Iterable[ExpectedError | None]
+"""One entry per request: an error to fail with, or None to do as asked; None for ever after."""
 BRAKING = 40.0
 """How hard a timed hand's fingers brake, as those of an Allegro hand [rad/s^2]."""
 
@@ -95,6 +108,7 @@ class TimedExecutor(FakeExecutor):
     """Joints that move as trajectories say, by a schedule.
 
     Args:
+        script: what becomes of each motion: None reaches its end, an error ends it half-way.
         accelerations: joint -> limit, for braking; see `trajectory.stopping.accelerations_of`.
         jerks: joint -> limit, likewise; any where it names none.
     """
@@ -107,7 +121,8 @@ class TimedExecutor(FakeExecutor):
         accelerations: Mapping[str, float] | None = None,
         jerks: Mapping[str, float] | None = None,
     ):
-        super().__init__(start, script)
+        super().__init__(start)
+        self._script = chain(script, repeat(None))
         self._schedule = schedule
         self._limits = accelerations_of(start.names, accelerations or {}), jerks_of(start.names, jerks or {})
         self._motion: _Motion | None = None
@@ -125,9 +140,9 @@ class TimedExecutor(FakeExecutor):
 
     execute_steered = execute
 
-    def _move(self, trajectory: Trajectory, failure: Exception | None) -> Operation[JointState]:
+    def _move(self, trajectory: Trajectory) -> Operation[JointState]:
         operation: Operation[JointState] = Operation(on_cancel=lambda: self._brake(motion))
-        self._motion = motion = _Motion(trajectory, self._schedule.now(), operation, failure)
+        self._motion = motion = _Motion(trajectory, self._schedule.now(), operation, next(self._script))
         self._finish_after(motion)
         return operation
 
@@ -186,18 +201,66 @@ class TimedExecutor(FakeExecutor):
             motion.operation.succeed(self.state())
 
 
+_VERBS: Mapping[type[Request], str] = {
+    PlanTo: "plan",
+    PlanStraight: "plan_straight",
+    PlanThrough: "plan_through",
+    CheckTrajectory: "plan_from_trajectory",
+    PlanServoStep: "plan_step",
+    ChooseGrasp: "choose_grasp",
+}
+
+
+class _Scripted:
+    """A planner that fails as scripts say; a constraint that is broken comes first."""
+
+    def __init__(self, planner: Any, scripts: Mapping[str, Script]):
+        for verb in scripts:
+            if verb not in _VERBS.values():
+                raise UnknownNameError("verb of a fake arm", verb, (*_VERBS.values(), "execute"))
+        self._planner = planner
+        self._scripts = {verb: chain(scripts.get(verb, ()), repeat(None)) for verb in _VERBS.values()}
+
+    def submit(self, request: Request) -> Operation[Any]:
+        made = self._planner.submit(request)
+        if type(request) not in _VERBS:
+            return made
+        try:
+            made.result()
+        except ConstraintBrokenError:
+            return made
+        except ExpectedError:
+            pass
+        failure = next(self._scripts[_VERBS[type(request)]])
+        return made if failure is None else Operation.failed(failure)
+
+
 class TimedArm(FakeArm):
-    """A fake arm whose motions take time, and can be held."""
+    """A fake arm whose motions take time, can be held, and fail as scripts say.
 
-    def __init__(self, name: str = "right", home: Pose | None = None, schedule: OnClock | None = None, **more: Any):
-        schedule = schedule or OnClock(ManualClock())
+    Args:
+        script: verb (`plan`, `plan_straight`, `plan_through`, `plan_from_trajectory`, `plan_step`, `choose_grasp`,
+            `execute`) -> what becomes of each such request; `plan_step` is asked while the arm is steered.
+    """
 
-        def joints(start: JointState, script: Script) -> Any:
-            self.timed = TimedExecutor(start, schedule, script)
+    def __init__(
+        self,
+        name: str = "right",
+        home: Pose | None = None,
+        schedule: OnClock | None = None,
+        script: Mapping[str, Script] | None = None,
+        **more: Any,
+    ):
+        schedule, scripts = schedule or OnClock(ManualClock()), dict(script or {})
+        execute = scripts.pop("execute", ())
+
+        def joints(start: JointState) -> Any:
+            self.timed = TimedExecutor(start, schedule, execute)
             self._held = PausableExecutor(self.timed, now=schedule.now)
             return self._held
 
         super().__init__(name, home, executor=joints, **more)
+        self._planner = _Scripted(self._planner, scripts)
 
     def pause(self) -> None:
         self._held.pause()

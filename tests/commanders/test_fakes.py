@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from timed import ManualClock, OnClock, TimedExecutor
+from timed import ManualClock, OnClock, TimedArm, TimedExecutor
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import (
@@ -39,14 +39,26 @@ def test_things_due_on_a_clock_happen_in_order_within_one_move():
 
 
 def test_an_executor_follows_its_script_and_then_does_as_asked():
-    executor = FakeExecutor(START, script=[ExecutionAbortedError("stuck"), None])
+    clock = ManualClock()
+    executor = TimedExecutor(START, OnClock(clock), script=[ExecutionAbortedError("stuck"), None])
+
+    def done(trajectory):
+        operation = executor.execute(trajectory)
+        for _ in range(20):
+            clock.advance(0.1)
+        return operation.result().position
+
     with pytest.raises(ExecutionAbortedError, match="stuck"):
-        executor.execute(ramp()).result()
+        done(ramp())
     assert executor.state().position == pytest.approx([0.5])
-    back = Trajectory(("a",), [0.0, 1.0], [[0.5], [0.0]])
-    assert executor.execute(back).result().position == pytest.approx([0.0])
-    assert executor.execute(ramp()).result().position == pytest.approx([1.0])
+    assert done(Trajectory(("a",), [0.0, 1.0], [[0.5], [0.0]])) == pytest.approx([0.0])
+    assert done(ramp()) == pytest.approx([1.0])
     assert len(executor.executed) == 3
+
+
+def test_a_motion_has_ended_when_it_has_begun():
+    executor = FakeExecutor(START)
+    assert executor.execute(ramp()).result().position == pytest.approx([1.0])
 
 
 def test_an_executor_refuses_joints_that_are_not_its_own():
@@ -68,7 +80,7 @@ def test_a_new_motion_ends_the_one_under_way():
 
 
 def test_an_arms_script_names_verbs_and_unknown_ones_are_refused():
-    arm = FakeArm(script={"plan": [NoPlanError("wall")], "plan_straight": [None, NoIkError("far")]})
+    arm = TimedArm(script={"plan": [NoPlanError("wall")], "plan_straight": [None, NoIkError("far")]})
     assert isinstance(arm, Arm)
     with pytest.raises(NoPlanError, match="wall"):
         arm.plan("home").result()
@@ -77,7 +89,7 @@ def test_an_arms_script_names_verbs_and_unknown_ones_are_refused():
     with pytest.raises(NoIkError):
         arm.plan_straight([arm.grasp_pose()]).result()
     with pytest.raises(UnknownNameError, match="plan_straight"):
-        FakeArm(script={"plan_strait": []})
+        TimedArm(script={"plan_strait": []})
 
 
 def test_a_fake_arm_is_where_it_was_sent_whatever_the_turn():

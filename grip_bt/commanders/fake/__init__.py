@@ -1,11 +1,8 @@
-"""Fakes of every port: at once, deterministic, with scripted failures, for tests and `grip run --robot fake`.
-
-A script has one entry per request: an `ExpectedError` to fail with, or None to do as asked.
-"""
+"""Fakes of every port: at once and deterministic, for tests and `grip run --robot fake`."""
 
 from .gantry import FakeArm
 from .hand import FakeHand
-from .joints import FakeExecutor, Script
+from .joints import FakeExecutor
 from .sources import FakeCamera, FakeComponent, FakeRos, FakeSensor
 
 __all__ = [
@@ -16,5 +13,4 @@ __all__ = [
     "FakeHand",
     "FakeRos",
     "FakeSensor",
-    "Script",
 ]

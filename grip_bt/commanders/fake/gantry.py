@@ -12,7 +12,6 @@ from dataclasses import replace
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ConstraintBrokenError, ExpectedError, NoGraspError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
@@ -36,7 +35,7 @@ from ..scene import PlanningScene
 from ..steered_motion import velocity_of
 from ..steering import jogged, steered
 from ..taught import TaughtStates
-from .joints import FakeExecutor, Script, steps_of
+from .joints import FakeExecutor
 
 JOINTS = ("x", "y", "z", "rx", "ry", "rz")
 SPEED = 0.5
@@ -44,14 +43,6 @@ SPEED = 0.5
 ACCELERATION = 2.0
 """Of each joint while it is steered [m/s^2 or rad/s^2]."""
 _MOMENT = 1e-3
-_VERBS: Mapping[type[Request], str] = {
-    PlanTo: "plan",
-    PlanStraight: "plan_straight",
-    PlanThrough: "plan_through",
-    CheckTrajectory: "plan_from_trajectory",
-    PlanServoStep: "plan_step",
-    ChooseGrasp: "choose_grasp",
-}
 
 
 class FakeArm(ArmCommander):
@@ -61,11 +52,9 @@ class FakeArm(ArmCommander):
         name: the arm's name in the project.
         home: pose of the grasp frame in the state `home`, where it is at first.
         states: further named states of the joints `JOINTS`.
-        script: verb (`plan`, `plan_straight`, `plan_through`, `plan_from_trajectory`, `plan_step`, `choose_grasp`,
-            `execute`) -> what becomes of each such request; `plan_step` is asked while the arm is steered.
         taught: what was taught before; nothing when None.
         own: where the robot's own joints are at first; it has none when None.
-        executor: makes what moves the joints, of where they are at first and the script of `execute`.
+        executor: makes what moves the joints, of where they are at first.
 
     Attributes:
         load: what its wrist bears; see `ports.Arm.wrench`.
@@ -76,18 +65,16 @@ class FakeArm(ArmCommander):
         name: str = "right",
         home: Pose | None = None,
         states: Mapping[str, JointState] | None = None,
-        script: Mapping[str, Script] | None = None,
         taught: TaughtStates | None = None,
         own: JointState | None = None,
-        executor: Callable[[JointState, Script], FakeExecutor] = FakeExecutor,
+        executor: Callable[[JointState], FakeExecutor] = FakeExecutor,
     ):
-        own, scripts = own or JointState((), ()), dict(script or {})
-        pose = home or Pose([0.3, -0.4, 0.5])
+        own, pose = own or JointState((), ()), home or Pose([0.3, -0.4, 0.5])
         start = JointState((*own.names, *JOINTS), [*own.position, *_joints_of(pose)])
-        self._gantry = executor(start, scripts.pop("execute", ()))
+        self._gantry = executor(start)
         known = {"home": start, **(states or {})}
         setup = ArmSetup(name, "gantry", states=known, taught=taught if taught is not None else TaughtStates())
-        planner = _GantryPlanner(name, start.names, scripts)
+        planner = _GantryPlanner(name, start.names)
         self.load = np.zeros(6)
         super().__init__(setup, _GantryGeometry(), planner, self._gantry, PlanningScene({}), wrench=lambda: self.load)
 
@@ -123,25 +110,16 @@ class _GantryGeometry:
 
 
 class _GantryPlanner:
-    """Implements `PlanningService`: straight motions of the joints, at once, unless the script has an error."""
+    """Implements `PlanningService`: straight motions of the joints, at once."""
 
-    def __init__(self, arm: str, joints: tuple[str, ...], scripts: Mapping[str, Script]):
-        for verb in scripts:
-            if verb not in _VERBS.values():
-                raise UnknownNameError("verb of a fake arm", verb, (*_VERBS.values(), "execute"))
+    def __init__(self, arm: str, joints: tuple[str, ...]):
         self._arm, self._joints = arm, joints
-        self._scripts = {verb: steps_of(scripts.get(verb, ())) for verb in _VERBS.values()}
 
     def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         if isinstance(request, CheckTogether):
             return Operation.finished(None)  # fakes know no shapes
         answer = self._answer(request)
-        if isinstance(answer, ConstraintBrokenError):
-            return Operation.failed(answer)
-        failure = next(self._scripts[_VERBS[type(request)]])
-        if failure is None and isinstance(answer, ExpectedError):
-            failure = answer
-        return Operation.finished(answer) if failure is None else Operation.failed(failure)  # type: ignore[arg-type]
+        return Operation.failed(answer) if isinstance(answer, ExpectedError) else Operation.finished(answer)
 
     def _answer(self, request: Request) -> Plan | ChosenGrasp | ExpectedError:
         begin = request.situation.start.position

@@ -10,7 +10,7 @@ from grip_bt.base.arrays import Array, Mask
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
 
-from .joints import FakeExecutor, Script, steps_of
+from .joints import FakeExecutor
 
 
 class FakeHand:
@@ -20,7 +20,6 @@ class FakeHand:
         start: where the fingers are at first.
         thing: what is between the fingers: joint positions that they don't get past when closing, or None.
         forces: link -> force [N] while the fingers press on the thing.
-        script: what becomes of each motion; an error ends it where it begins.
         closed: where the joints are when the hand is closed, `start` being where it is open; when None, larger is more
             closed.
         executor: makes what moves the joints, of where they are at first.
@@ -34,7 +33,6 @@ class FakeHand:
         start: JointState,
         thing: JointState | None = None,
         forces: Mapping[str, float] | None = None,
-        script: Script = (),
         closed: JointState | None = None,
         executor: Callable[[JointState], FakeExecutor] = FakeExecutor,
     ):
@@ -43,7 +41,6 @@ class FakeHand:
         self._names = start.names
         self._joints = executor(start)
         self._forces = dict(forces or {"fingertip": 5.0})
-        self._script = steps_of(script)
         self.torque_limits: list[float | None] = []
         self.forces: list[float | None] = []
         self.thing = thing
@@ -64,9 +61,6 @@ class FakeHand:
         self._joints.put_back(start)
         self.torque_limits.append(torque_limit)
         self.forces.append(force)
-        failure = next(self._script)
-        if failure is not None:
-            return Operation.failed(failure)
         if duration <= 0:
             self._joints.put_back(goal)
         times, rows = (np.array([0.0, duration]), [start, goal]) if duration > 0 else (np.zeros(1), [goal])

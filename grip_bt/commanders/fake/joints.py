@@ -1,27 +1,18 @@
-"""Joints that are where trajectories lead as soon as they are told to, and fail as a script says."""
+"""Joints that are where trajectories lead as soon as they are told to."""
 
 from __future__ import annotations
-
-from collections.abc import Iterable, Iterator
-from itertools import chain, repeat
 
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.failures import ExecutionAbortedError, ExpectedError
+from grip_bt.base.failures import ExecutionAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
 
 from ..joined import same_joints
 
-Script = Iterable[ExpectedError | None]
 START_TOLERANCE = 0.05
 """A trajectory begins within this distance of where the joints are [rad]."""
-
-
-def steps_of(script: Script) -> Iterator[ExpectedError | None]:
-    """Return the script's entries, and None for ever after."""
-    return chain(script, repeat(None))
 
 
 class FakeExecutor:
@@ -29,14 +20,12 @@ class FakeExecutor:
 
     Args:
         start: where the joints are at first.
-        script: what becomes of each motion: None reaches its end, an error ends it half-way.
     """
 
     steerable = True
 
-    def __init__(self, start: JointState, script: Script = ()):
+    def __init__(self, start: JointState):
         self._position, self._names = np.array(start.position), start.names
-        self._script = steps_of(script)
         self.executed: list[Trajectory] = []
 
     @property
@@ -55,16 +44,13 @@ class FakeExecutor:
                 ExecutionAbortedError(f"the trajectory begins {off:.3f} rad away from the joints", error=off)
             )
         self.executed.append(trajectory)
-        return self._move(trajectory, next(self._script))
+        return self._move(trajectory)
 
     execute_steered = execute
 
-    def _move(self, trajectory: Trajectory, failure: ExpectedError | None) -> Operation[JointState]:
-        if failure is None:
-            self._position = np.array(trajectory.positions[-1])
-            return Operation.finished(self.state())
-        (self._position,), *_ = trajectory.sampled(np.array([trajectory.duration / 2]))
-        return Operation.failed(failure)
+    def _move(self, trajectory: Trajectory) -> Operation[JointState]:
+        self._position = np.array(trajectory.positions[-1])
+        return Operation.finished(self.state())
 
     def stop(self) -> None:
         """Nothing moves."""
