@@ -108,6 +108,8 @@ class ArmCommander:
         self._stream = SteeredMotion(executor, self._plan_step)
         self._lock = threading.Lock()
         self._reached_by: list[tuple[Pose, JointState]] = []
+        self.follows: Trajectory | None = None
+        """The motion that it was told to follow last."""
 
     @property
     def name(self) -> str:
@@ -217,6 +219,7 @@ class ArmCommander:
                 refuse_beyond_limits(plan.trajectory, limits)
         except (OutOfLimitsError, UnknownNameError) as error:
             return Operation.failed(error)
+        self.follows = plan.trajectory
         return self._executor.execute(plan.trajectory).then(lambda measured: _verified(plan, measured))
 
     def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:

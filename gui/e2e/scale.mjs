@@ -74,7 +74,7 @@ async function figures(page, words) {
       const box = await unfold(page, words, task, view);
       const opened_ms = Date.now() - begin;
       const whole = await scaleOf(page);
-      for (const [name, zoom] of [["near", 0.8], ["at a distance", 0.35], ["far", 0.12], ["as a whole", whole]]) {
+      for (const [name, zoom] of [["near", 0.8], ["nearly read", 0.65], ["by name", 0.5], ["at a distance", 0.35], ["as a sketch", 0.25], ["far", 0.12], ["as a whole", whole]]) {
         if (zoom < whole) continue;
         await zoomTo(page, box, zoom);
         const fps = await panned(page, box);

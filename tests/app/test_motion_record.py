@@ -12,9 +12,9 @@ import numpy as np
 from grip_bt.app.runs.motion_record import KEPT, MOST_CELLS, Bodies, few_cells, motion_file, recorded_motion
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import SimulatorLostError
-from grip_bt.base.values import JointState, Pose
+from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.base.values.solids import CellMap, Mesh
-from grip_bt.commanders.fake import FakeArm
+from grip_bt.commanders.fake import FakeArm, FakeHand
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.runtime import WallClock
 
@@ -56,6 +56,24 @@ def test_what_stands_still_is_told_once(tmp_path: Path) -> None:
     with recorded_motion(Resources(arms={"right": arm}), WallClock(), tmp_path / "runs.sqlite", "one"):
         pass
     assert len(lines(motion_file(tmp_path / "runs.sqlite", "one"))) == 2
+
+
+def test_the_way_of_a_motion_and_what_touches_are_told_once_each(tmp_path: Path) -> None:
+    class Gripping(FakeHand):
+        def contacts(self) -> dict[str, float]:
+            return {"tip": 2.04}
+
+    arm, hand = FakeArm("right"), Gripping(JointState(("finger",), [0.0]))
+    joints = tuple(reversed(arm.state().names))
+    arm.follows = Trajectory(joints, np.array([0.0, 2.0]), np.array([range(len(joints)), [1.0] * len(joints)]))
+    with recorded_motion(Resources(arms={"right": arm}, hands={"hand": hand}), WallClock(), tmp_path / "j", "one"):
+        pass
+    _, first = lines(motion_file(tmp_path / "j", "one"))
+    assert first["touch"] == {"hand": {"tip": 2.0}}
+    way = np.array(first["way"]["right"])
+    assert way.shape[1] == len(joints)
+    assert way[0].tolist() == [float(joints.index(joint)) for joint in arm.state().names]
+    assert way[-1].tolist() == [1.0] * len(joints)
 
 
 def test_without_a_robot_there_is_no_record(tmp_path: Path) -> None:

@@ -1,8 +1,9 @@
 """What a run's robot and scene did, for drawing it: positions of joints, ten times a second while they change.
 
 It lies beside the journal, in `motion/RUN.jsonl`, one object a line: first `parts` (part -> its joints), then whatever
-has changed at the time `t` of the run's clock [s]: `q` (part -> positions [rad or m]), `scene` (all objects), `bodies`
-(new ones, see `motion_bodies`). It is no part of the journal: it is thinned out, and nothing is decided by it.
+has changed at the time `t` of the run's clock [s]: `q` (part -> positions [rad or m]), `way` (arm -> positions that it
+is to go through), `touch` (hand -> link -> contact force [N]), `scene` (all objects), `bodies` (new ones, see
+`Bodies`). It is no part of the journal: it is thinned out, and nothing is decided by it.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Arm, Clock, Hand
-from grip_bt.base.values import Pose
+from grip_bt.base.values import Pose, Trajectory
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 
@@ -31,6 +32,8 @@ PERIOD = 0.1
 """How often is looked [s]."""
 MOVED = 2e-4
 """What changes less isn't told [rad or m]."""
+WAY_POINTS = 32
+"""As so many points is the way of a motion told."""
 LARGEST = 1 << 26
 """Where a file ends [bytes]: at full tilt after about an hour."""
 KEPT = 50
@@ -61,14 +64,15 @@ def recorded_motion(resources: Resources, clock: Clock, journal: Path, run: str)
 
 
 def _record(resources: Resources, clock: Clock, file: Path, over: threading.Event) -> None:
-    parts: dict[str, Arm | Hand] = {**resources.hands, **resources.arms}
+    hands = resources.hands
+    parts: dict[str, Arm | Hand] = {**hands, **resources.arms}
     # A robot that is lost, or a full disk, is told by the run itself; the drawing just ends.
     with suppress(GripError, OSError, TimeoutError):
         file.parent.mkdir(parents=True, exist_ok=True)
         _thin_out(file.parent)
         with file.open("a", encoding="utf-8") as out:
             out.write(json.dumps({"parts": {name: part.state().names for name, part in parts.items()}}) + "\n")
-            told, bodies = dict[str, Any](), Bodies()
+            told, bodies, ways, touched = dict[str, Any](), Bodies(), dict[str, Any](), dict[str, Any]()
             scene: SceneSnapshot | None = None
             while True:
                 last, line = over.is_set(), dict[str, Any]()
@@ -76,6 +80,12 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
                 if moved := {name: p for name, p in now_at.items() if _changed(p, told.get(name))}:
                     told |= moved
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
+                for name, arm in resources.arms.items():
+                    if (way := getattr(arm, "follows", None)) is not ways.get(name):
+                        ways[name], line["way"] = way, {**line.get("way", {}), name: _points(way, parts[name])}
+                touch = {hand: {link: round(f, 1) for link, f in it.contacts().items()} for hand, it in hands.items()}
+                if touch != touched:
+                    touched = line["touch"] = touch
                 now = resources.scene.snapshot() if resources.scene is not None else None
                 if isinstance(now, SceneSnapshot) and now is not scene:
                     scene, line["scene"] = now, {n: _object(item, bodies) for n, item in now.objects.items()}
@@ -87,6 +97,11 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
                 if last or out.tell() > LARGEST:
                     return
                 over.wait(PERIOD)
+
+
+def _points(way: Trajectory, part: Arm | Hand) -> list[list[float]]:
+    columns = [way.names.index(joint) for joint in part.state().names]
+    return [np.round(way.at(t)[columns], 4).tolist() for t in np.linspace(0.0, way.duration, WAY_POINTS)]
 
 
 def _changed(now: Any, before: Any) -> bool:

@@ -3,7 +3,9 @@ import { expect, test } from "vitest";
 
 /** Contrast of the colour tokens (WCAG 2.2, 1.4.3): browsers can't check it on the canvas. */
 const css = readFileSync(new URL("../src/view/page.css", import.meta.url), "utf8");
-const [light = "", dark = ""] = css.split("@media (prefers-color-scheme: dark)");
+const [light = "", rest = ""] = css.split("@media (prefers-color-scheme: dark)");
+const [dark = ""] = rest.split(".phase-idle");
+const bar = /^\.bar \{[^}]*\}/m.exec(rest)?.[0] ?? "";
 
 function tokens(text: string): Record<string, string> {
   return Object.fromEntries([...text.matchAll(/--([\w-]+): (#[0-9a-f]{6})/g)].map((m) => [m[1], m[2]]));
@@ -21,7 +23,7 @@ function contrast(a: string, b: string): number {
   return (high + 0.05) / (low + 0.05);
 }
 
-const SURFACES = ["page", "surface", "sunken", "running-soft", "success-soft", "failure-soft", "interrupted-soft", "error-soft"];
+const SURFACES = ["page", "surface", "sunken", "running-soft", "success-soft", "failure-soft", "interrupted-soft", "error-soft", "select", "warn-soft"];
 
 test.each([
   ["light", tokens(light)],
@@ -44,7 +46,18 @@ test.each([
       expect(ring, `ring of viewer ${viewer} on ${surface}`).toBeGreaterThanOrEqual(3);
     }
   }
-  for (const name of ["accent", "stop"]) {
+  for (const surface of ["surface", "sunken", "warn-soft"]) expect(contrast(colours["warn"] ?? "", colours[surface] ?? ""), `warn on ${surface}`).toBeGreaterThanOrEqual(4.5);
+  for (const name of ["accent", "stop", "brand"]) {
     expect(contrast(colours[`${name}-text`] ?? "", colours[name] ?? ""), name).toBeGreaterThanOrEqual(4.5);
+  }
+});
+
+test("the bar is ink in both themes, and what it says can be read on it", () => {
+  for (const theme of [tokens(light), { ...tokens(light), ...tokens(dark) }]) {
+    const colours = { ...theme, ...tokens(bar) };
+    for (const text of ["text", "quiet", "accent"]) {
+      for (const surface of ["ink", "surface", "page", "sunken"]) expect(contrast(colours[text] ?? "", colours[surface] ?? ""), `${text} on ${surface}`).toBeGreaterThanOrEqual(4.5);
+    }
+    for (const phase of ["running", "success", "failure", "interrupted", "error"]) expect(contrast(colours[phase] ?? "", colours[`${phase}-soft`] ?? ""), phase).toBeGreaterThanOrEqual(4.5);
   }
 });

@@ -1,6 +1,5 @@
 import { afterEach, expect, test, vi } from "vitest";
-
-import { whereNow } from "../src/model/changes";
+import { whereNow } from "../src/model/history";
 import type { DocumentView, NodeView } from "../src/protocol/generated";
 import { useDocument } from "../src/store/document";
 import { edit, take } from "../src/store/editing";

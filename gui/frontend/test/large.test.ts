@@ -1,8 +1,7 @@
 import { expect, test } from "vitest";
-
-import { sharing } from "../src/model/changes";
+import { sharing } from "../src/model/history";
 import { layoutTree } from "../src/model/layout";
-import { extent, foldedAtFirst, hasRoomForMap, isInSight, linesIn, idsIn, opened, unfolded } from "../src/model/visibility";
+import { extent, foldedAtFirst, hasRoomForMap, idsIn, isInSight, linesIn, opened, unfolded } from "../src/model/visibility";
 import type { NodeView, Problem } from "../src/protocol/generated";
 import { SMALL } from "./tasks";
 

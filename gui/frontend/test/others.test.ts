@@ -1,6 +1,5 @@
 import { expect, test } from "vitest";
-
-import { initials, pagesAt, taken, toTell } from "../src/model/others";
+import { initials, pagesAt, taken, toTell } from "../src/store/others";
 
 const at = (...nodes: string[]) => ({ task: "tasks/t.yaml", nodes });
 

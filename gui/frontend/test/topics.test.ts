@@ -1,6 +1,5 @@
 import { describe, expect, it } from "vitest";
-
-import { cameraOf, topicsAt } from "../src/model/topics";
+import { cameraOf, topicsAt } from "../src/model/parts";
 import type { TopicView } from "../src/protocol/generated";
 
 const PICTURE = "sensor_msgs/msg/Image";

@@ -40,7 +40,7 @@ def make_live_router(
     """Return the routes below `/api/live`; `run` returns the run under way, empty for none."""
     api = APIRouter(prefix="/api/live")
     _add_graph(api, window)
-    _add_project(api, folder, run)
+    _add_project(api, folder)
     _add_tries(api, folder, runner, window, run)
     return api
 
@@ -84,16 +84,8 @@ def _add_graph(api: APIRouter, window: RosClientProcess) -> None:
         return wire.Done(error=found.get("error", ""), said=kept)
 
 
-def _add_project(api: APIRouter, folder: ProjectFolder, run: Callable[[], str]) -> None:
+def _add_project(api: APIRouter, folder: ProjectFolder) -> None:
     """Add what the project's files and the records of its runs say."""
-
-    @api.get("/robot")
-    def robot() -> wire.RobotParts:
-        try:
-            file = find_project(folder.folder).file
-        except GripError as error:
-            return wire.RobotParts(error=str(error))
-        return wire.RobotParts(arms=list(file.arms), hands=list(file.hands), run=run())
 
     @api.get("/geometry")
     def looks(robot: Annotated[str, Query(max_length=1024)] = "") -> wire.GeometryView:
@@ -183,13 +175,9 @@ def motion_of(journal: Path, run: str, after: int) -> MotionView:
 
 def last_state(journal: Path, run: str, part: str) -> dict[str, float]:
     """Return where a part was measured last: joint -> position [rad or m]; empty where it never was."""
-    joints: list[str] = []
-    positions: list[float] = []
-    after, piece = 0, None
-    while piece is None or piece.next > after:
-        after = 0 if piece is None else piece.next
-        piece = motion_of(journal, run, after)
-        joints = piece.parts.get(part, joints)
+    joints, positions, after = list[str](), list[float](), 0
+    while (piece := motion_of(journal, run, after)).next > after:
+        after, joints = piece.next, piece.parts.get(part, joints)
         positions = next((s.q[part] for s in reversed(piece.samples) if part in s.q), positions)
     return dict(zip(joints, positions, strict=False))
 

@@ -119,15 +119,6 @@ class MeasureRequest(Wire):
     serve: bool = False  # give it to the running server too
 
 
-class RobotParts(Wire):
-    """What can be measured of the project's robot."""
-
-    arms: list[str] = []
-    hands: list[str] = []
-    run: str = ""  # the run under way, whose robot can be measured; empty for none
-    error: str = ""
-
-
 class Sample(Wire):
     """A value that was recorded, as an input of a component."""
 
@@ -259,6 +250,8 @@ class MotionSample(Wire):
 
     t: float  # on the run's clock [s]
     q: dict[str, list[float]] = {}  # part -> positions of its joints [rad or m]
+    way: dict[str, list[list[float]]] = {}  # arm that begins a motion -> positions that it is to go through
+    touch: dict[str, dict[str, float]] | None = None  # hand -> link -> contact force [N]
     scene: dict[str, SceneItem] | None = None  # all objects; None where none has changed
 
 

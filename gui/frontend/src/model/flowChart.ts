@@ -1,11 +1,9 @@
 /** A flow chart with containers open in it: each is laid out by itself, and stands in its box with its ends on the border. */
 import type { ElkNode } from "elkjs/lib/elk-api";
-
 import type { NodeView, TaskView } from "../protocol/generated";
 import { parentOf } from "./commands";
 import { type Flow, type FlowEdge, type FlowItem, flowOf, isEnd } from "./flow";
-import { graphOf, type Lay, type Level, levelOf, PLACEMENTS } from "./flowElk";
-import { gridOf } from "./flowGrid";
+import { graphOf, gridOf, type Lay, type Level, levelOf, PLACEMENTS } from "./flowElk";
 import { type Pins, withPins } from "./flowPins";
 import type { Box, Point } from "./layout";
 

@@ -10,12 +10,27 @@ export interface Stand {
   readonly scene: Readonly<Record<string, SceneItem>>;
   /** What meshes and maps of cells look like. */
   readonly bodies: Readonly<Record<string, MeshView>>;
+  /** The ways that were gone last, the newest one first. */
+  readonly ways: readonly Way[];
+  /** Link that touches something -> contact force [N]. */
+  readonly touch: ReadonlyMap<string, number>;
 }
+
+/** Where an arm was to go: positions of its joints, one after the other. */
+export interface Way {
+  readonly arm: string;
+  readonly points: readonly ReadonlyMap<string, number>[];
+}
+
+/** So many ways are remembered at a time: today's, and some that fade. */
+const WAYS = 3;
 
 interface Known {
   readonly t: number;
   readonly q: Readonly<Record<string, readonly number[]>>;
   readonly scene: Readonly<Record<string, SceneItem>>;
+  readonly ways: readonly Way[];
+  readonly touch: Readonly<Record<string, Readonly<Record<string, number>>>>;
 }
 
 export class Motion {
@@ -35,7 +50,9 @@ export class Motion {
     Object.assign(this.bodies, piece.bodies);
     for (const sample of piece.samples) {
       const before = this.known.at(-1);
-      this.known.push({ t: sample.t, q: { ...before?.q, ...sample.q }, scene: sample.scene ?? before?.scene ?? {} });
+      const begun = Object.entries(sample.way ?? {}).map(([arm, points]) => ({ arm, points: points.map((point) => new Map((this.parts[arm] ?? []).map((joint, at) => [joint, point[at] ?? 0]))) }));
+      const ways = begun.length > 0 ? [...begun, ...(before?.ways ?? [])].slice(0, WAYS) : (before?.ways ?? []);
+      this.known.push({ t: sample.t, q: { ...before?.q, ...sample.q }, scene: sample.scene ?? before?.scene ?? {}, ways, touch: sample.touch ?? before?.touch ?? {} });
     }
     this.next = piece.next;
   }
@@ -53,7 +70,8 @@ export class Motion {
     if (!found) return null;
     const joints = new Map<string, number>();
     for (const [part, names] of Object.entries(this.parts)) names.forEach((name, at) => found.q[part]?.[at] !== undefined && joints.set(name, found.q[part]?.[at] as number));
-    return { t: found.t, joints, scene: found.scene, bodies: this.bodies };
+    const touch = new Map(Object.values(found.touch).flatMap((links) => Object.entries(links)));
+    return { t: found.t, joints, scene: found.scene, bodies: this.bodies, ways: found.ways, touch };
   }
 }
 

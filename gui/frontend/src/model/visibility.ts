@@ -22,6 +22,8 @@ export function areaInSight([x, y, zoom]: readonly [number, number, number], wid
 
 /** More boxes than these are never elements of the page all at once, where they are too small to be read. */
 export const MANY = 80;
+/** More than these neither, where not even their names can be read. */
+export const FEW = 30;
 
 /** What touches an area, in the order of the boxes. */
 export function idsIn(area: Area, boxes: ReadonlyMap<string, Box>): ReadonlySet<string> {

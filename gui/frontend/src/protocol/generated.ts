@@ -386,6 +386,8 @@ export interface MimicView {
 export interface MotionSample {
   t: number;
   q: Record<string, number[]>;
+  way: Record<string, number[][]>;
+  touch: Record<string, Record<string, number>> | null;
   scene: Record<string, SceneItem> | null;
 }
 
@@ -553,14 +555,6 @@ export interface RequestPort {
 export interface RevisionsFrame {
   type: "revisions";
   revisions: Record<string, number>;
-}
-
-/** What can be measured of the project's robot. */
-export interface RobotParts {
-  arms: string[];
-  hands: string[];
-  run: string;
-  error: string;
 }
 
 /** One line of the journal. */

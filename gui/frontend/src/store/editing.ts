@@ -1,6 +1,6 @@
 /** What edits do: each goes to the server, one after the other, and its answer is the new state. */
 import type { Command } from "../model/commands";
-import { sharing, whereNow } from "../model/changes";
+import { sharing, whereNow } from "../model/history";
 import { GoneError, RefusedError, server } from "../protocol/client";
 import type { DocumentView, PinRequest } from "../protocol/generated";
 import { type Conflict, useDocument } from "./document";

@@ -1,9 +1,8 @@
 /** What runs beside the editor: topics of the ROS graph, and the named messages of a running server. */
 import { create } from "zustand";
-
 import { valueAt } from "../model/shapes";
 import { Motion } from "../model/timeline";
-import type { CameraTopics } from "../model/topics";
+import type { CameraTopics } from "../model/parts";
 import { server } from "../protocol/client";
 import type { CloudView, GeometryView, LiveMessages, NamedPlace, TopicsView, TopicView } from "../protocol/generated";
 import { openSetup, setValue, useSetup } from "./setup";

@@ -10,7 +10,11 @@ import { loadProject, renewNames } from "./tasks";
 
 export type Making = "component" | "import" | "topics" | "messages" | null;
 
+/** What of `grip.yaml` is shown: all of it, or how arms plan, or what sensors see. */
+export type Part = "" | "motion" | "sensors";
+
 export interface SetupStore {
+  readonly part: Part;
   readonly files: readonly SetupEntry[];
   readonly view: SetupView | null;
   /** What the file holds on the disk, as far as we know. */
@@ -26,7 +30,7 @@ export interface SetupStore {
   readonly line: number | null;
 }
 
-export const useSetup = create<SetupStore>()(() => ({ files: [], view: null, saved: "", known: "", making: null, busy: "", checking: false, probe: null, line: null }));
+export const useSetup = create<SetupStore>()(() => ({ part: "", files: [], view: null, saved: "", known: "", making: null, busy: "", checking: false, probe: null, line: null }));
 
 /** Grows with every text; an answer about an older one is left out. */
 let texts = 0;

@@ -4,7 +4,7 @@ import { type JSX, type KeyboardEvent, useEffect, useRef, useState } from "react
 import { nameOf } from "../model/commands";
 import { historyRows } from "../model/history";
 import { runningLeaf } from "../model/status";
-import { eventText, seconds } from "../model/words";
+import { eventText, processNotices, seconds } from "../model/words";
 import { useDocument } from "../store/document";
 import { goTo } from "../store/editing";
 import { setRobotOpen, useRobot } from "../store/live";
@@ -29,6 +29,8 @@ export function Foot(): JSX.Element {
   const robot = useRobot((s) => s.open);
   const hidden = usePanes((s) => s.hidden.has("foot"));
   const said = useDocument((s) => s.said);
+  const session = useRun((s) => s.session);
+  const told = processNotices(session).flatMap(({ text, bad }) => (bad ? [] : [text])).join("; ");
   const { setFoot } = usePage.getState();
   function choose(tab: FootTab): void {
     usePanes.getState().toggle("foot", false);
@@ -58,6 +60,11 @@ export function Foot(): JSX.Element {
         <output className={foot === "problems" && problems === 0 ? "hint none" : "hidden"} aria-label="Problems">
           {problems === 0 ? "No problems." : `${problems} ${problems === 1 ? "problem" : "problems"}`}
         </output>
+        {told && (
+          <p className="told" role="status" title={told}>
+            {told}
+          </p>
+        )}
         <WorksNow />
         <output className="said" aria-live="polite" aria-label="What was done" title={said}>
           {said}

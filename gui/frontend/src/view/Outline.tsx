@@ -1,18 +1,15 @@
 /** The same tree as an ARIA tree: one tab stop, arrow keys, statuses as text. */
 import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef } from "react";
-
 import { kindTitle } from "../model/kinds";
 import { statusText } from "../model/words";
 import { IDLE } from "../model/status";
 import { outlineKey, type Row, visibleRows } from "../model/visibility";
-import { selectedBy } from "../model/others";
-import { useOthersAt } from "../store/others";
+import { selectedBy, useOthersAt } from "../store/others";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { OtherDots } from "./Presence";
 import { ROW_HEIGHT, useDropTarget, useWindow } from "./hooks";
-import { HoldMark, lensMark, ProblemMark } from "./marks";
-import { KindIcon, PhaseIcon } from "./icons";
+import { HoldMark, KindIcon, lensMark, PhaseIcon, ProblemMark } from "./icons";
 
 export function Outline(): JSX.Element {
   const nodes = useRun((s) => s.task.nodes);

@@ -72,8 +72,8 @@ export function Page(): JSX.Element {
   if (!project) return <p className="hint padded">{error || "Opening the project ..."}</p>;
   return (
     <div className={`page room-${room}${[...hidden].map((pane) => ` no-${pane}`).join("")}`} style={Object.fromEntries(Object.entries(sizes).map(([pane, size]) => [`--${pane}`, IN_PARTS.has(pane) ? `${size}%` : `${size}px`])) as CSSProperties}>
-      <TopBar project={project} />
-      <Notices />
+      <TopBar project={project} begins={begins} />
+      <Notices foot={room !== "project" && !begins} />
       {room === "project" ? (
         <Suspense fallback={<p className="hint padded">Loading the project's files ...</p>}>
           <SetupPage />
@@ -169,7 +169,8 @@ export function Stage(): JSX.Element {
   );
 }
 
-export function Notices(): JSX.Element {
+/** @param foot whether there is a bar below, which tells what is no fault: nothing moves for that. */
+function Notices({ foot }: { foot: boolean }): JSX.Element {
   const message = useRun((s) => s.error);
   const session = useRun((s) => s.session);
   const error = useRun((s) => s.moment.facts.error);
@@ -183,7 +184,7 @@ export function Notices(): JSX.Element {
           <button onClick={() => useRun.getState().setError("")}>Close</button>
         </div>
       )}
-      {processNotices(session).map(({ text, bad }) => (
+      {processNotices(session).filter(({ bad }) => bad || !foot).map(({ text, bad }) => (
         <div key={text} className={`notice${bad ? " bad" : ""}`} role={bad ? "alert" : "status"}>
           <pre>{text}</pre>
         </div>

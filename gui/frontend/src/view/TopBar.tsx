@@ -20,7 +20,8 @@ const ROOMS: readonly [Room, string][] = [
 /** Simulated seconds in a second; 0 stands for no limit. */
 const PACES = [0.25, 0.5, 1, 2, 5, 0];
 
-export function TopBar({ project }: { project: ProjectView }): JSX.Element {
+/** @param begins whether the project only begins: there is nothing to choose among, and nothing to put away. */
+export function TopBar({ project, begins }: { project: ProjectView; begins: boolean }): JSX.Element {
   const task = useRun((s) => s.task);
   const session = useRun((s) => s.session);
   const options = useRunning((s) => s.options);
@@ -38,9 +39,12 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
   return (
     <header className="bar">
       <div className="bar-part">
-        <h1 title={project.folder}>
-          GRIP <small>{project.name}</small>
-        </h1>
+        <span className="brand">
+          <Mark />
+          <h1 title={project.folder}>
+            GRIP <small>{project.name}</small>
+          </h1>
+        </span>
         <div className="segments" role="group" aria-label="What is shown">
           {ROOMS.map(([name, label]) => (
             <button key={name} aria-pressed={room === name} onClick={() => usePage.getState().setRoom(name)}>
@@ -48,7 +52,7 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
             </button>
           ))}
         </div>
-        <Field label="Task">
+        {(project.tasks.length > 0 || task.path !== "") && <Field label="Task">
           <select id="task-field" value={task.path} onChange={(event) => void chooseTask(event.target.value)}>
             {project.tasks.some((entry) => entry.path === task.path) || <option value={task.path}>{task.path}</option>}
             {project.tasks.map((entry) => (
@@ -57,15 +61,23 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
               </option>
             ))}
           </select>
-        </Field>
-        <button onClick={() => void newTask()}>New task</button>
+        </Field>}
+        <button aria-label="New task" title="New task" onClick={() => void newTask()}>
+          <Picture shape="M8 3v10M3 8h10" />
+        </button>
         <RunOptionFields project={project} options={options} change={change} disabled={under_way} />
       </div>
       <RunBar />
-      {room === "task" && <PaneButtons />}
+      {room === "task" && !begins && <PaneButtons />}
     </header>
   );
 }
+
+const hold = (event: { preventDefault(): void; key?: string }): void => {
+  if (event.key !== "Tab" && event.key !== "Escape") event.preventDefault();
+};
+/** What a run was started with stays as it is; a field that has the focus then keeps it. */
+const UNDER_WAY = { "aria-disabled": true, onMouseDown: hold, onKeyDown: hold } as const;
 
 function RunOptionFields(props: {
   project: ProjectView;
@@ -79,7 +91,7 @@ function RunOptionFields(props: {
       <Field label="Robot">
         <select id="robot-field"
           value={options.robot}
-          disabled={disabled}
+          {...(disabled ? UNDER_WAY : {})}
           onChange={(event) => change({ robot: event.target.value as Options["robot"] })}
         >
           {project.robots.map((robot) => (
@@ -95,7 +107,7 @@ function RunOptionFields(props: {
       <Field label="As">
         <select id="as-field"
           value={options.target}
-          disabled={disabled}
+          {...(disabled ? UNDER_WAY : {})}
           onChange={(event) => change({ target: event.target.value as Options["target"] })}
         >
           <option value="bt">tree</option>
@@ -105,7 +117,7 @@ function RunOptionFields(props: {
       <Field label="Pace">
         <select id="pace-field"
           value={options.pace ?? 0}
-          disabled={disabled}
+          {...(disabled ? UNDER_WAY : {})}
           title="Simulated seconds in a second"
           onChange={(event) => change({ pace: Number(event.target.value) || null })}
         >
@@ -122,7 +134,8 @@ function RunOptionFields(props: {
           min={0}
           max={2147483647}
           value={options.seed}
-          disabled={disabled}
+          readOnly={disabled}
+          {...(disabled ? UNDER_WAY : {})}
           onChange={(event) => change({ seed: Math.max(0, Math.floor(Number(event.target.value) || 0)) })}
         />
       </Field>
@@ -152,12 +165,38 @@ function PaneButtons(): JSX.Element {
     <span className="segments panes" role="group" aria-label="Panes">
       {PANES.map(([pane, label, shape]) => (
         <button key={pane} aria-pressed={!hidden.has(pane)} aria-label={label} title={actionTitle(pane)} onClick={() => toggle(pane)}>
-          <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
-            <path d={shape} />
-          </svg>
+          <Picture shape={shape} />
         </button>
       ))}
     </span>
+  );
+}
+
+function Picture({ shape }: { shape: string }): JSX.Element {
+  return (
+    <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
+      <path d={shape} />
+    </svg>
+  );
+}
+
+/** How a run stands, or ended, as the style sheet calls it. */
+function useStateName(): string {
+  const session = useRun((s) => s.session);
+  const connected = useRun((s) => s.connected);
+  const status = session?.contradiction ? "failure" : session?.status;
+  return `state-${connected === false ? "lost" : session?.state === "ended" ? `ended-${status}` : (session?.state ?? "none")}`;
+}
+
+/** A hand over a node. */
+function Mark(): JSX.Element {
+  return (
+    <svg className={`mark ${useStateName()}`} viewBox="0 0 24 24" aria-hidden="true">
+      <path d="M12 2v4M6.500 6h11" />
+      <path className="finger one" d="M6.500 6 4.500 11l3 6.500" />
+      <path className="finger other" d="M17.500 6l2 5-3 6.500" />
+      <circle cx="12" cy="16" r="4.200" />
+    </svg>
   );
 }
 
@@ -179,7 +218,7 @@ export function RunBar(): JSX.Element {
   return (
     <div className="bar-part run-part">
       <div className="buttons">
-        <button className="run" disabled={state !== "ended" || broken || empty} title={broken ? "The task has errors; see Problems" : actionTitle("run")} onClick={() => void start()}>
+        <button className="run" disabled={broken || empty} {...(state === "ended" ? {} : { "aria-disabled": true })} title={broken ? "The task has errors; see Problems" : actionTitle("run")} onClick={() => state === "ended" && void start()}>
           Run
         </button>
         <button className="pause" disabled={!paused && state !== "running"} title={actionTitle("pause")} onClick={() => void control(paused ? "resume" : "pause")}>
@@ -187,7 +226,7 @@ export function RunBar(): JSX.Element {
         </button>
         <Stop />
       </div>
-      <Steps disabled={!paused} />
+      {paused && <Steps />}
       <Presence />
       <RunState />
     </div>
@@ -218,14 +257,12 @@ const STEPS: readonly [Control["how"], string, string, string][] = [
   ["tick", "Step", "tick", "M3 8h7M7 4.5 10.5 8 7 11.5M13 4v8"],
 ];
 
-function Steps({ disabled }: { disabled: boolean }): JSX.Element {
+function Steps(): JSX.Element {
   return (
     <span className="buttons steps" role="group" aria-label="Steps of a paused run">
       {STEPS.map(([how, label, action, shape]) => (
-        <button key={how} disabled={disabled} aria-label={label} title={actionTitle(action)} onClick={() => step(how)}>
-          <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
-            <path d={shape} />
-          </svg>
+        <button key={how} aria-label={label} title={actionTitle(action)} onClick={() => step(how)}>
+          <Picture shape={shape} />
         </button>
       ))}
     </span>
@@ -247,10 +284,8 @@ function RunState(): JSX.Element {
     return () => window.removeEventListener("keydown", onKey, { capture: true });
   }, []);
   const words = connected ? runText(session) : connected === null ? "connecting ..." : "no connection to the server";
-  const status = session?.contradiction ? "failure" : session?.status;
-  const kind = connected === false ? "lost" : session?.state === "ended" ? `ended-${status}` : (session?.state ?? "none");
   return (
-    <output className={`run-state state-${kind}`} aria-live="polite" aria-label="State of the run" title={words}>
+    <output className={`run-state ${useStateName()}`} aria-live="polite" aria-label="State of the run" title={words}>
       {words}
     </output>
   );

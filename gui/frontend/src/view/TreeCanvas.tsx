@@ -48,6 +48,15 @@ export function TreeCanvas(): JSX.Element {
     usePage.getState().setView("flow");
   };
   const setFollow = usePage((s) => s.setFollow);
+  // A run that was followed is over: what came of it is seen as a whole.
+  const live = useRun((s) => !s.complete && s.cursor === null);
+  const [over, setOver] = useState("");
+  const was = useRef(live);
+  useEffect(() => {
+    const { record, complete, cursor } = useRun.getState();
+    if (was.current && complete && cursor === null && usePage.getState().follow) setOver(record?.id ?? "");
+    was.current = live;
+  }, [live]);
   return (
     <ReactFlow
       key={path}
@@ -80,7 +89,7 @@ export function TreeCanvas(): JSX.Element {
         <Sketch sight={sight} boxes={boxes} strokes={strokes} faceOf={faceOf} />
       </ViewportPortal>
       {!sketched && <Background gap={24} />}
-      <Whole key={path} boxes={boxes} begun={begun === path} least={LEAST_ZOOM} begin={(_, __, height) => rootIn(boxes.get("/"), height)} />
+      <Whole key={path} boxes={boxes} begun={begun === path} least={LEAST_ZOOM} begin={(_, __, height) => rootIn(boxes.get("/"), height)} over={over} />
       {mapped && <Overview boxes={boxes} />}
       <Detail />
       <Follower boxes={boxes} begun={begun === path} mapped={mapped} />
@@ -121,7 +130,8 @@ function Follower({ boxes, begun, mapped }: { boxes: ReadonlyMap<string, Box>; b
     // A motion that is under way leads to where the middle was.
     if (resized) void setViewport(getViewport());
     if (isInSight(box, getViewport(), width, height, mapped)) return;
-    void setCenter(...centre(box), { zoom: getZoom(), duration: resized ? 0 : pace() });
+    if (selected === "/" && resized) void setViewport(rootIn(box, height));
+    else void setCenter(...centre(box), { zoom: getZoom(), duration: resized ? 0 : pace() });
   }, [selected, boxes, begun, setCenter, setViewport, getZoom, getViewport, width, height, mapped]);
   return null;
 }

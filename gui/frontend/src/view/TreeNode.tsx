@@ -1,7 +1,6 @@
 /** One node on the canvas. It holds no state of its own: canvases unmount what is out of sight. */
 import { Handle, type NodeProps, NodeToolbar, Position, useStore } from "@xyflow/react";
 import type { JSX } from "react";
-
 import { IDLE } from "../model/status";
 import { settingsOf } from "../model/values";
 import { hasEdges, kindTitle } from "../model/kinds";
@@ -14,9 +13,8 @@ import { BriefSettings, briefSettings } from "./edit/ContainerForm";
 import { useForm } from "./edit/EditBar";
 import { Parameters, useFace } from "./edit/LeafForm";
 import { useDropTarget } from "./hooks";
-import { KindIcon, PhaseIcon } from "./icons";
+import { HoldMark, KindIcon, lensMark, PhaseIcon, ProblemMark } from "./icons";
 import { isNear } from "./drawing";
-import { HoldMark, lensMark, ProblemMark } from "./marks";
 
 export function TreeNode({ data }: NodeProps): JSX.Element {
   const node = data["node"] as NodeView;

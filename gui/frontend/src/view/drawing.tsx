@@ -3,12 +3,12 @@ import { ControlButton, Controls, Panel, type ReactFlowState, useReactFlow, useS
 import { type JSX, type PointerEvent, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
 
 import type { Box } from "../model/layout";
-import { type Area, areaInSight, extent, idsIn, MANY } from "../model/visibility";
+import { type Area, areaInSight, extent, FEW, idsIn, MANY } from "../model/visibility";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 
-/** Below this zoom nodes show their names only, */
-const FAR = 0.45;
+/** Below this zoom nodes show their names only, in large letters: smaller print can't be read, */
+const FAR = 0.62;
 /** below this nothing that could be read, */
 const NAMED = 0.3;
 /** and from this on what they are set to. */
@@ -16,6 +16,8 @@ const NEAR = 1.5;
 
 export const isNear = (s: ReactFlowState): boolean => s.transform[2] >= NEAR;
 const isFar = (s: ReactFlowState): boolean => s.transform[2] < FAR;
+/** So many boxes are elements at most: the less can be read of them, the fewer. */
+const mostElements = ({ transform: [, , zoom] }: ReactFlowState): number => (zoom < NAMED ? FEW : zoom < FAR ? MANY : Infinity);
 const areaOf = (s: ReactFlowState): Area => areaInSight(s.transform, s.width, s.height);
 const sameArea = (one: Area, other: Area): boolean => one.left === other.left && one.top === other.top && one.right === other.right && one.bottom === other.bottom;
 
@@ -40,7 +42,8 @@ export function useSight(boxes: ReadonlyMap<string, Box>): Sight {
   const { left, top, right, bottom } = useStore(areaOf, sameArea);
   const area = useMemo(() => ({ left, top, right, bottom }), [left, top, right, bottom]);
   const inside = useMemo(() => idsIn(area, boxes), [area, boxes]);
-  const sketched = useStore(isFar) && inside.size > MANY;
+  const most = useStore(mostElements);
+  const sketched = inside.size > most;
   const selected = usePage((s) => s.selected);
   const [pointed, setPointed] = useState<string | null>(null);
   const real = useMemo(() => new Set([selected, pointed].filter((id) => id !== null && inside.has(id)) as string[]), [selected, pointed, inside]);
@@ -154,7 +157,7 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
       const fault = worst.get(id);
       if (fault) {
         const side = Math.min(6 * line, height / 2);
-        pen.fillStyle = color(fault === "error" ? "error" : "interrupted");
+        pen.fillStyle = color(fault === "error" ? "error" : "warn");
         pen.fillRect(x + width - side, y, side, side);
       }
     }
@@ -170,7 +173,7 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
     pen.fillStyle = color("text");
     for (const [id, face] of faces) {
       const { x, y, width, height } = boxes.get(id) as Box;
-      if (face) pen.fillText(cut(face.name, width - 44), x + 34, face.shape === "open" ? y + 24 : y + height / 2);
+      if (face) pen.fillText(cut(face.name, width - 24), x + 12, face.shape === "open" ? y + 24 : y + height / 2);
     }
   }, [area, boxes, faceOf, inside, marked, phases, sketched, strokes, theme, version, width, height, worst, zoom]);
   return <canvas ref={canvas} className="sketch" aria-hidden="true" style={{ left: area.left, top: area.top, width, height }} />;
@@ -210,24 +213,35 @@ interface WholeProps {
   readonly least: number;
   /** What is shown in its place: the beginning. */
   readonly begin: (all: Area, width: number, height: number) => Viewport;
+  /** Something is over when this changes: then the whole is shown again. */
+  readonly over?: string;
+  /** Whether what was in the middle stays there when a pane beside this one comes or goes. */
+  readonly middle?: boolean;
 }
 
 /** The buttons for the zoom. Only what is in sight is known to the canvas, so that the whole is fitted by its extent. */
-export function Whole({ boxes, begun, least, begin }: WholeProps): JSX.Element {
-  const { setViewport } = useReactFlow();
+export function Whole({ boxes, begun, least, begin, over = "", middle = false }: WholeProps): JSX.Element {
+  const { setViewport, getViewport } = useReactFlow();
   const width = useStore((s) => s.width);
   const height = useStore((s) => s.height);
-  const fitted = useRef(false);
+  const put = useRef<Viewport | null>(null);
   const fit = (least: number): void => {
     const all = extent(boxes.values());
     const zoom = Math.min(1.1, (width * 0.92) / (all.right - all.left), (height * 0.92) / (all.bottom - all.top));
-    if (zoom < least) return void setViewport(begin(all, width, height));
-    void setViewport({ x: (width - (all.left + all.right) * zoom) / 2, y: (height - (all.top + all.bottom) * zoom) / 2, zoom });
+    put.current = zoom < least ? begin(all, width, height) : { x: (width - (all.left + all.right) * zoom) / 2, y: (height - (all.top + all.bottom) * zoom) / 2, zoom };
+    void setViewport(put.current);
   };
+  const looked = useRef({ over, width, height });
   useEffect(() => {
-    if (fitted.current || !begun || width === 0 || boxes.size === 0) return;
-    fitted.current = true;
-    fit(least);
+    if (!begun || width === 0 || boxes.size === 0) return;
+    const { current: before } = looked;
+    const [now, then] = [getViewport(), put.current];
+    // As long as nobody has moved it, it stays fitted.
+    const left = then !== null && Math.abs(now.x - then.x) + Math.abs(now.y - then.y) < 1 && now.zoom === then.zoom;
+    const resized = before.width !== width || before.height !== height;
+    if (then === null || (left && resized) || before.over !== over) fit(least);
+    else if (middle && resized && before.width > 0) void setViewport({ x: now.x + (width - before.width) / 2, y: now.y + (height - before.height) / 2, zoom: now.zoom });
+    looked.current = { over, width, height };
   });
   return (
     <Controls orientation="horizontal" showInteractive={false} showFitView={false}>
@@ -240,15 +254,26 @@ export function Whole({ boxes, begun, least, begin }: WholeProps): JSX.Element {
   );
 }
 
+/** The extents of drawings: the store is asked with every step of a motion. */
+const EXTENTS = new WeakMap<ReadonlyMap<string, Box>, Area>();
+
+function seesAll({ transform: [x, y, zoom], width, height }: ReactFlowState, boxes: ReadonlyMap<string, Box>): boolean {
+  const all = EXTENTS.get(boxes) ?? extent(boxes.values());
+  EXTENTS.set(boxes, all);
+  return all.left * zoom + x >= 0 && all.top * zoom + y >= 0 && all.right * zoom + x <= width && all.bottom * zoom + y <= height;
+}
+
 const WIDTH = 140;
 const HEIGHT = 96;
 /** Beyond this many times as long as it is wide, a drawing is drawn shorter in the map. */
 const LONG = 4;
 
 /** The whole drawing in the corner, and what of it is in sight. A press goes there. One that is very long is drawn shorter. */
-export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.Element {
+export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.Element | null {
   const { setCenter, getZoom } = useReactFlow();
   const canvas = useRef<HTMLCanvasElement>(null);
+  // Where all is in sight, a map only covers it.
+  const small = useStore((s) => seesAll(s, boxes));
   const { left, top, across, down } = useMemo(() => {
     const all = extent(boxes.values());
     const [wide, high] = [(all.right - all.left) / WIDTH, (all.bottom - all.top) / HEIGHT];
@@ -265,12 +290,13 @@ export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.El
     // What is open is seen through.
     pen.fillStyle = "rgb(128 138 148 / 55%)";
     for (const { x, y, width, height } of boxes.values()) pen.fillRect((x - left) / across, (y - top) / down, Math.max(0.7, width / across), Math.max(0.7, height / down));
-  }, [boxes, left, top, across, down]);
+  }, [boxes, left, top, across, down, small]);
   const go = (event: PointerEvent<SVGSVGElement>): void => {
     if (event.buttons !== 1) return;
     const frame = event.currentTarget.getBoundingClientRect();
     void setCenter(left + (event.clientX - frame.left) * across, top + (event.clientY - frame.top) * down, { zoom: getZoom(), duration: 0 });
   };
+  if (small) return null;
   return (
     <Panel position="bottom-right" className="map nopan nowheel">
       <canvas ref={canvas} aria-hidden="true" />

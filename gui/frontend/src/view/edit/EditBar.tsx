@@ -52,11 +52,15 @@ export function EditBar(): JSX.Element {
       ) : (
         <>
           <UnderWay />
-          <button title={actionTitle("undo")} disabled={!history?.can_undo} onClick={() => void undo()}>
-            Undo
+          <button aria-label="Undo" title={actionTitle("undo")} disabled={!history?.can_undo} onClick={() => void undo()}>
+            <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
+              <path d="M6 3 2.500 6.500 6 10M2.500 6.500H10a3.500 3.500 0 0 1 0 7H6" />
+            </svg>
           </button>
-          <button title={actionTitle("redo")} disabled={!history?.can_redo} onClick={() => void redo()}>
-            Redo
+          <button aria-label="Redo" title={actionTitle("redo")} disabled={!history?.can_redo} onClick={() => void redo()}>
+            <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
+              <path d="M10 3l3.500 3.500L10 10M13.500 6.500H6a3.500 3.500 0 0 0 0 7h4" />
+            </svg>
           </button>
           <button title={actionTitle("commands")} onClick={() => void ACTIONS[0]?.run()}>
             Commands

@@ -1,6 +1,5 @@
 /** The selected node as forms: what it is, its settings, ports, outcomes, variables, and what is wrong with it. */
 import type { JSX } from "react";
-
 import { nameOf, parentOf } from "../../model/commands";
 import { hasEdges, kindTitle } from "../../model/kinds";
 import { seconds, statusText } from "../../model/words";
@@ -13,8 +12,7 @@ import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { ProblemList } from "../Problems";
 import { closeOnEscape } from "../TopBar";
-import { KindIcon, PhaseIcon } from "../icons";
-import { NewPane } from "../marks";
+import { KindIcon, NewPane, PhaseIcon } from "../icons";
 import { ContainerForm } from "./ContainerForm";
 import { FormBadge } from "./EditBar";
 import { LeafForm } from "./LeafForm";

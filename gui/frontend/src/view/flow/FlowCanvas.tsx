@@ -1,7 +1,6 @@
 /** A container's inside as a flow chart: drag from an outcome to where it leads, drag a node to pin it. */
 import { Background, type Connection, type Edge, MarkerType, type Node, Position, ReactFlow, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
 import { type DragEvent, type JSX, type MouseEvent, useCallback, useEffect, useMemo, useRef, useState } from "react";
-
 import { parentOf } from "../../model/commands";
 import { isStart, LEAD, PORT_HEIGHT, targetName } from "../../model/flow";
 import { chartedIn, type FlowChart, isCharted, pinAt, type PlacedEdge, type PlacedItem, sceneOf } from "../../model/flowChart";
@@ -17,7 +16,7 @@ import { useRun } from "../../store/run";
 import { FormBadge } from "../edit/EditBar";
 import { drop, isDrag } from "../hooks";
 import { Detail, type Face, Overview, type Sight, Sketch, type Stroke, useLeastZoom, useSight, Whole } from "../drawing";
-import { NewPane } from "../marks";
+import { NewPane } from "../icons";
 import { EndNode, FlowEdgeLine, FlowNode, INSIDE, roundedToDot, StartNode } from "./FlowNode";
 import { useChart } from "./layouter";
 
@@ -139,7 +138,7 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
           </ViewportPortal>
         )}
         {!sketched && <Background gap={24} />}
-        <Whole boxes={boxes} begun={begun} least={READABLE} begin={beginning} />
+        <Whole boxes={boxes} begun={begun} least={READABLE} begin={beginning} middle />
         {mapped && <Overview boxes={boxes} />}
         <Detail />
         <Keeper boxes={boxes} begun={begun} mapped={mapped} pinned={pinned} />
@@ -182,7 +181,7 @@ function useSelectedContainer(): void {
   }, [selected]);
 }
 
-/** Brings a node that was selected elsewhere into sight, and keeps the middle of the chart in the middle of its pane. */
+/** Brings a node that was selected elsewhere into sight, and keeps what one looks at where it is when the chart is laid out anew. */
 function Keeper({ boxes, begun, mapped, pinned }: { boxes: ReadonlyMap<string, Box>; begun: boolean; mapped: boolean; pinned: boolean }): null {
   const selected = usePage((s) => s.selected);
   const { setCenter, setViewport, getZoom, getViewport } = useReactFlow();
@@ -190,12 +189,8 @@ function Keeper({ boxes, begun, mapped, pinned }: { boxes: ReadonlyMap<string, B
   const height = useStore((s) => s.height);
   const size = useRef({ width, height });
   useEffect(() => {
-    const before = size.current;
     size.current = { width, height };
-    const { x, y, zoom } = getViewport();
-    // A pane beside this one has come or gone.
-    if (begun && before.width > 0 && width > 0) void setViewport({ x: x + (width - before.width) / 2, y: y + (height - before.height) / 2, zoom });
-  }, [begun, width, height, getViewport, setViewport]);
+  }, [width, height]);
   const were = useRef(boxes);
   useEffect(() => {
     const before = were.current;
@@ -236,7 +231,7 @@ interface Parts {
  * there and what they lead to. The other edges are drawn as lines.
  */
 function partsOf(chart: FlowChart, { inside, real, sketched }: Sight, dragged: string | null): Parts {
-  if (chart.items.length <= MANY) return chart;
+  if (!sketched && chart.items.length <= MANY) return chart;
   const ids = new Set(sketched ? real : inside);
   if (dragged !== null) ids.add(dragged);
   const edges = sketched ? [] : chart.edges.filter((edge) => inside.has(ownerOf(edge.source, chart.boxes)));

@@ -1,7 +1,6 @@
 /** What stands in a flow chart: a child with its outcomes as ports, an end of the container, the mark of the start. */
 import { BaseEdge, EdgeLabelRenderer, type EdgeProps, getSmoothStepPath, Handle, type NodeProps, Position } from "@xyflow/react";
 import type { JSX } from "react";
-
 import { type FlowItem, freeWidth, LEAD, PORT_HEIGHT, subtitleOf } from "../../model/flow";
 import type { Point } from "../../model/layout";
 import { statusText } from "../../model/words";
@@ -11,8 +10,7 @@ import { useRun } from "../../store/run";
 import { OthersRing } from "../Presence";
 import { NodeSub } from "../TreeNode";
 import { useForm } from "../edit/EditBar";
-import { HoldMark, lensMark, ProblemMark } from "../marks";
-import { KindIcon, PhaseIcon } from "../icons";
+import { HoldMark, KindIcon, lensMark, PhaseIcon, ProblemMark } from "../icons";
 
 /** What stands before the names of the handles on a box's border that what is inside it leads to. */
 export const INSIDE = "#inside:";

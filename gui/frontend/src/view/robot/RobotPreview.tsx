@@ -18,6 +18,7 @@ export default function RobotPreview({ view, moves = false }: PreviewProps): JSX
   const canvas = useRef<HTMLCanvasElement>(null);
   const space = useRef<Space | null>(null);
   const [error, setError] = useState("");
+  const [ready, setReady] = useState<Space | null>(null);
   const [joints, setJoints] = useState<ReadonlyMap<string, number>>(new Map());
   useEffect(() => setJoints(new Map()), [view?.name]);
   useEffect(() => {
@@ -25,15 +26,17 @@ export default function RobotPreview({ view, moves = false }: PreviewProps): JSX
     try {
       space.current = makeSpace(canvas.current, view);
       space.current.fit();
+      setReady(space.current);
     } catch (why) {
       setError(`This browser cannot draw in 3D: ${why instanceof Error ? why.message : String(why)}`);
     }
     return () => {
       space.current?.close();
       space.current = null;
+      setReady(null);
     };
   }, [view?.links]); // a position that is kept is no other shape
-  useEffect(() => space.current?.show({ t: 0, joints, scene: {}, bodies: {} }, [], [], false), [view, joints]);
+  useEffect(() => space.current?.show({ t: 0, joints, scene: {}, bodies: {}, ways: [], touch: new Map() }, [], [], false), [view, joints]);
   function onKeyDown(event: KeyboardEvent): void {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (turn) space.current?.turn(turn[0] ?? 0, turn[1] ?? 0);
@@ -54,18 +57,20 @@ export default function RobotPreview({ view, moves = false }: PreviewProps): JSX
           <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${view.name}: ${movable.length} joints. Arrow keys turn it, plus and minus go nearer and away.`} onKeyDown={onKeyDown} />
         )}
       </div>
-      {moves && view && !view.error && <Joints view={view} joints={joints} set={setJoints} />}
+      {moves && view && !view.error && <Joints view={view} space={ready} joints={joints} set={setJoints} />}
     </div>
   );
 }
 
 interface JointsProps {
   readonly view: GeometryView;
+  /** Draws the pictures of named states. */
+  readonly space: Space | null;
   readonly joints: ReadonlyMap<string, number>;
   readonly set: (joints: ReadonlyMap<string, number>) => void;
 }
 
-function Joints({ view, joints, set }: JointsProps): JSX.Element {
+function Joints({ view, space, joints, set }: JointsProps): JSX.Element {
   const known = useMemo(() => new Map(view.joints.map((joint) => [joint.name, joint])), [view]);
   return (
     <div className="scroll joints" tabIndex={0} role="group" aria-label="Joints and named states">
@@ -79,6 +84,7 @@ function Joints({ view, joints, set }: JointsProps): JSX.Element {
           <p className="states">
             {Object.entries(view.states[group] ?? {}).map(([name, at]) => (
               <button key={name} title={`Where ${group} is ${name}`} onClick={() => set(new Map([...joints, ...Object.entries(at)]))}>
+                <Stands space={space} at={at} />
                 {name}
               </button>
             ))}
@@ -120,6 +126,16 @@ function Joints({ view, joints, set }: JointsProps): JSX.Element {
       )}
     </div>
   );
+}
+
+/** How the robot stands in a named state, all else at rest. */
+function Stands({ space, at }: { space: Space | null; at: Readonly<Record<string, number>> }): JSX.Element {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const asked = requestAnimationFrame(() => canvas.current && space?.picture(new Map(Object.entries(at)), canvas.current));
+    return () => cancelAnimationFrame(asked);
+  }, [space, at]);
+  return <canvas ref={canvas} width={176} height={132} aria-hidden="true" />;
 }
 
 /** Keep where a group is now, under a name that tasks can go to. */

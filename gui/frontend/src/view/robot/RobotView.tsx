@@ -9,7 +9,7 @@ import type { NamedPlace, SceneItem } from "../../protocol/generated";
 import { cloudOf, loadGeometry, type NamedCloud, placesOf, readMotion, setRobotOpen, useRobot } from "../../store/live";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
-import { makeSpace, type Side, type Space } from "./space";
+import { makeSpace, type Side, type Space, type Spot } from "./space";
 
 const PERIOD = 150;
 const NONE: readonly NamedCloud[] = [];
@@ -121,6 +121,12 @@ function InWords({ stand, places, clouds, drawn, grasps }: Words): JSX.Element {
               grasp frame of {hand}: {numbers(at)} m
             </li>
           ))}
+          {stand.ways[0] && <li>{stand.ways[0].arm} follows a way of {stand.ways[0].points.length} points</li>}
+          {[...stand.touch].map(([link, force]) => (
+            <li key={link}>
+              {link} touches with {force.toFixed(1)} N
+            </li>
+          ))}
           {items.map(([name, item]) => (
             <li key={name}>
               {name}: {KINDS[item.kind]} {numbers(item.size)} m {item.hand ? `held by ${item.hand}` : `at ${numbers(item.at.slice(0, 3))} m`}
@@ -181,15 +187,19 @@ function useStand(): Stand | null {
 }
 
 /** The poses and grasps among the variables at the shown moment. */
-function usePlaces(): readonly NamedPlace[] {
+function usePlaces(): readonly Spot[] {
   const run = useRun((s) => s.record?.id);
   const moment = useRun((s) => s.moment);
   const version = useRun((s) => s.version);
-  const [places, setPlaces] = useState<readonly NamedPlace[]>([]);
+  const [places, setPlaces] = useState<readonly Spot[]>([]);
   useEffect(() => {
     let left = false;
-    const asked = run === undefined ? [] : [...moment.variables].map(([key, value]) => placesOf(run, value.seq, value.type, key.split(/[:/]/).at(-1) ?? key));
-    void Promise.all(asked).then((found) => left || setPlaces(found.flat()));
+    const asked = run === undefined ? [] : [...moment.variables].map(async ([key, { seq, type }]) => ({ seq, type, found: await placesOf(run, seq, type, key.split(/[:/]/).at(-1) ?? key) }));
+    void Promise.all(asked).then((all) => {
+      // Of each type the value that was written last is today's.
+      const last = (type: string): number => Math.max(...all.filter((each) => each.type === type && each.found.length > 0).map(({ seq }) => seq));
+      if (!left) setPlaces(all.flatMap(({ seq, type, found }) => found.map((place) => ({ ...place, over: seq < last(type) }))));
+    });
     return () => {
       left = true;
     };

@@ -1,8 +1,8 @@
 /** The drawing: camera, light, ground, the robot, the scene around it, and poses; drawn only when something has changed. */
-import { AmbientLight, AxesHelper, Box3, CanvasTexture, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, type Object3D, PerspectiveCamera, Points, Scene, Sphere, Sprite, SpriteMaterial, Vector3, WebGLRenderer } from "three";
+import { AmbientLight, AxesHelper, Box3, CanvasTexture, CatmullRomCurve3, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, MeshBasicMaterial, type MeshStandardMaterial, type Object3D, PerspectiveCamera, Points, Scene, Sphere, Sprite, SpriteMaterial, TubeGeometry, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import type { Stand } from "../../model/timeline";
+import type { Stand, Way } from "../../model/timeline";
 import type { GeometryView, NamedPlace } from "../../protocol/generated";
 import type { NamedCloud } from "../../store/live";
 import { makeCloud, makeItem, makeRobot, place, type Robot } from "./body";
@@ -11,16 +11,25 @@ const STEP = Math.PI / 18;
 const AXES = 0.08;
 /** Of a variable with more poses, such as a list of grasps, only the axes are drawn: names would cover each other. */
 const NAMED = 3;
+/** How much is seen of poses that something newer has taken the place of. */
+const FADED = 0.3;
+
+/** A pose to be drawn, and whether a newer one was written since. */
+export interface Spot extends NamedPlace {
+  readonly over?: boolean;
+}
 
 export type Side = "front" | "side" | "above";
 
 export interface Space {
-  show(stand: Stand | null, places: readonly NamedPlace[], clouds: readonly NamedCloud[], frames: boolean): void;
+  show(stand: Stand | null, places: readonly Spot[], clouds: readonly NamedCloud[], frames: boolean): void;
   /** Where the grasp frames are: hand -> x y z [m]. */
   grasps(): ReadonlyMap<string, readonly [number, number, number]>;
   from(side: Side): void;
   /** Look at the whole robot, as near as it fits. */
   fit(): void;
+  /** How the robot stands with its joints there, drawn small on a canvas. */
+  picture(joints: ReadonlyMap<string, number>, on: HTMLCanvasElement): void;
   turn(around: number, over: number): void;
   nearer(factor: number): void;
   close(): void;
@@ -67,40 +76,111 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
+    aim?.();
     draw();
   });
   sized.observe(canvas.parentElement ?? canvas);
   controls.addEventListener("change", draw);
   dark.addEventListener("change", dress);
 
+  /** Nothing goes out of sight when the pane grows narrow, until somebody has turned the drawing. */
+  let aim: (() => void) | null = null;
+  controls.addEventListener("start", () => {
+    aim = null;
+  });
+  function narrow(): number {
+    const { clientWidth: width, clientHeight: height } = canvas.parentElement ?? canvas;
+    return width > 0 ? Math.max(1, height / width) : 1;
+  }
+
   function from(side: Side): void {
     const where: Record<Side, [number, number, number]> = { front: [1.5, -0.95, 0.95], side: [0.35, -1.7, 0.6], above: [0.36, -0.01, 2.1] };
+    aim = () => from(side);
     controls.target.set(0.35, 0, 0.3);
-    camera.position.set(...where[side]);
+    camera.position.set(...where[side]).sub(controls.target).multiplyScalar(narrow()).add(controls.target);
     controls.update();
     draw();
   }
 
   function fit(): void {
     const around = new Box3().setFromObject(robot.root).getBoundingSphere(new Sphere());
-    const { clientWidth: width, clientHeight: height } = canvas.parentElement ?? canvas;
-    const narrow = width > 0 ? Math.max(1, height / width) : 1;
+    aim = fit;
     controls.target.copy(around.center);
-    camera.position.copy(around.center).add(new Vector3(1.15, -0.95, 0.65).normalize().multiplyScalar(Math.max(0.1, 2.75 * around.radius) * narrow));
+    camera.position.copy(around.center).add(new Vector3(1.15, -0.95, 0.65).normalize().multiplyScalar(Math.max(0.1, 2.75 * around.radius) * narrow()));
     controls.update();
     draw();
   }
 
-  function show(stand: Stand | null, places: readonly NamedPlace[], clouds: readonly NamedCloud[], frames: boolean): void {
-    robot.stand(stand?.joints ?? new Map());
+  const small = new PerspectiveCamera(40, 1, 0.01, 50);
+  small.up.set(0, 0, 1);
+  function picture(joints: ReadonlyMap<string, number>, on: HTMLCanvasElement): void {
+    robot.stand(joints);
+    const around = new Box3().setFromObject(robot.root).getBoundingSphere(new Sphere());
+    small.aspect = on.width / on.height;
+    small.updateProjectionMatrix();
+    small.position.copy(around.center).add(new Vector3(1.15, -0.95, 0.65).normalize().multiplyScalar(Math.max(0.1, 2.5 * around.radius)));
+    small.lookAt(around.center);
+    const dots = renderer.getPixelRatio();
+    ground.visible = false;
+    renderer.setViewport(0, 0, on.width / dots, on.height / dots);
+    renderer.render(scene, small);
+    // In the same breath: what was drawn is gone with the next frame.
+    on.getContext("2d")?.drawImage(canvas, 0, canvas.height - on.height, on.width, on.height, 0, 0, on.width, on.height);
+    ground.visible = true;
+    renderer.setViewport(0, 0, canvas.width / dots, canvas.height / dots);
+    robot.stand(stood);
+    draw();
+  }
+  let stood: ReadonlyMap<string, number> = new Map();
+
+  const traced = new WeakMap<Way, Vector3[]>();
+  /** The line that the hand goes along. */
+  function goes(way: Way, age: number, joints: ReadonlyMap<string, number>): Mesh | null {
+    const moved = new Set(way.points[0]?.keys());
+    // The hand of the arm that goes there: it hangs on the arm's last joint.
+    const hand = [...held].find(([name]) => moved.has(view.groups[view.grasp[name]?.group ?? ""]?.at(-1) ?? ""))?.[1];
+    const last = hand ?? robot.links.get(view.joints.findLast((joint) => moved.has(joint.name))?.child ?? "");
+    if (last === undefined || way.points.length < 2) return null;
+    const points = traced.get(way) ?? way.points.map((point) => {
+      robot.stand(new Map([...joints, ...point]));
+      robot.root.updateMatrixWorld(true);
+      return last.getWorldPosition(new Vector3());
+    });
+    traced.set(way, points);
+    if (points.every((point) => point.distanceTo(points[0] as Vector3) < 0.005)) return null;
+    const look = getComputedStyle(canvas);
+    const color = new Color(look.getPropertyValue(age === 0 ? "--way" : "--quiet").trim());
+    return new Mesh(new TubeGeometry(new CatmullRomCurve3(points), 96, age === 0 ? 0.006 : 0.003, 6), new MeshBasicMaterial({ color, transparent: true, opacity: 1 / (1 + 1.5 * age) }));
+  }
+
+  /** Links that press glow: the more, the harder. */
+  function glow(touch: ReadonlyMap<string, number>): void {
+    const hot = new Color(getComputedStyle(canvas).getPropertyValue("--failure").trim());
+    for (const [name, link] of robot.links) {
+      const share = Math.min(1, 0.35 + (touch.get(name) ?? 0) / 8);
+      for (const part of link.children) {
+        const material = part instanceof Mesh ? (part.material as MeshStandardMaterial) : null;
+        material?.emissive.copy(hot).multiplyScalar(touch.has(name) ? share : 0);
+      }
+    }
+  }
+
+  function show(stand: Stand | null, places: readonly Spot[], clouds: readonly NamedCloud[], frames: boolean): void {
+    stood = stand?.joints ?? new Map();
+    glow(stand?.touch ?? new Map());
     for (const each of axes) each.visible = frames;
     for (const group of [things, ...held.values()]) {
       free(group);
       group.clear();
     }
+    stand?.ways.forEach((way, age) => {
+      const line = goes(way, age, stood);
+      if (line) things.add(line);
+    });
+    robot.stand(stood);
     const look = getComputedStyle(canvas);
     for (const item of Object.values(stand?.scene ?? {})) {
-      const color = new Color(look.getPropertyValue(item.hand ? "--success" : item.fixed ? "--quiet" : "--accent").trim());
+      const color = new Color(look.getPropertyValue(item.hand ? "--success" : item.fixed ? "--quiet" : "--running").trim());
       (held.get(item.hand) ?? things).add(makeItem(item, color, stand?.bodies[item.body]));
     }
     for (const cloud of clouds) {
@@ -113,8 +193,8 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
     for (const each of places) {
       const pose = new Group();
       place(pose, each.at);
-      addAxes(pose, AXES);
-      if ((together.get(variableOf(each.name)) ?? 0) <= NAMED) pose.add(label(each.name, look.getPropertyValue("--text").trim()));
+      addAxes(pose, AXES, each.over ? FADED : 1);
+      if (!each.over && (together.get(variableOf(each.name)) ?? 0) <= NAMED) pose.add(label(each.name, look.getPropertyValue("--text").trim()));
       (robot.links.get(each.frame) ?? things).add(pose);
       if (robot.links.has(each.frame)) hung.push(pose);
     }
@@ -138,8 +218,10 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
     },
     from,
     fit,
+    picture,
     turn: (around, over) => {
       const arm = camera.position.clone().sub(controls.target);
+      aim = null;
       arm.applyAxisAngle(camera.up, around * STEP);
       const right = new Vector3().crossVectors(arm, camera.up).normalize();
       const tilted = arm.clone().applyAxisAngle(right, over * STEP);
@@ -149,6 +231,7 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
       draw();
     },
     nearer: (factor) => {
+      aim = null;
       camera.position.sub(controls.target).multiplyScalar(factor).add(controls.target);
       controls.update();
       draw();
@@ -188,8 +271,9 @@ function graspFrame(robot: Robot, frame: { link: string; at: number[] }): Group 
   return made;
 }
 
-function addAxes(parent: Group, size: number): AxesHelper {
+function addAxes(parent: Group, size: number, opacity = 1): AxesHelper {
   const axes = new AxesHelper(size);
+  if (opacity < 1) Object.assign(axes.material, { transparent: true, opacity });
   parent.add(axes);
   return axes;
 }

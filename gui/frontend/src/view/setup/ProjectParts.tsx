@@ -52,9 +52,7 @@ export function ProjectParts(): JSX.Element | null {
 }
 
 /** What a camera of the world sees when everything has settled; drawn by the simulator, of the file as it is saved. */
-export function WorldPicture({ view }: { view: SetupView }): JSX.Element {
-  const name = view.path.replace(/^worlds\/|\.yaml$/g, "");
-  const cameras = Object.keys((view.data as { cameras?: object } | null)?.cameras ?? {});
+export function WorldPicture({ name, cameras }: { name: string; cameras: readonly string[] }): JSX.Element {
   const [camera, setCamera] = useState("");
   const [picture, setPicture] = useState("");
   const [said, setSaid] = useState("");

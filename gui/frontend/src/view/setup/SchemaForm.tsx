@@ -1,8 +1,7 @@
 /** A form made from the shape of a file: each field is one value of the text, and changes nothing but that. */
 import { type JSX, useId, useState } from "react";
-
-import { entryShape, type Key, formKind, freeName, listOf, optionsAt, resolved, type Shape, valueAt } from "../../model/shapes";
-import { topicsAt } from "../../model/topics";
+import { entryShape, formKind, freeName, type Key, listOf, optionsAt, resolved, type Shape, shapeAt, valueAt } from "../../model/shapes";
+import { topicsAt } from "../../model/parts";
 import type { SetupView } from "../../protocol/generated";
 import { useLive } from "../../store/live";
 import { removeValue, renameValue, setValue } from "../../store/setup";
@@ -20,7 +19,32 @@ export function SchemaForm({ view }: { view: SetupView }): JSX.Element {
   return <Value view={view} place={[]} shape={view.shape as Shape} />;
 }
 
-function Value({ view, place, shape, bare = false }: FieldProps): JSX.Element {
+/** How an arm plans, in the order in which one thinks of it. */
+const MOTION = ["planner", "kinematics", "planning_time", "attempts", "speed", "acceleration", "jerk"];
+
+/** Planner and kinematics of each arm, and their numbers; all else of an arm is in the whole file's form. */
+export function MotionForm({ view }: { view: SetupView }): JSX.Element {
+  const arms = valueAt(view.data, ["arms"]);
+  const names = typeof arms === "object" && arms !== null ? Object.keys(arms) : [];
+  const shape = resolved(shapeAt(view.shape as Shape, ["arms", "?"]), view.shape as Shape, {});
+  if (names.length === 0) return <p className="hint">The project has no arm yet: choose a robot, or name an arm in grip.yaml.</p>;
+  return (
+    <div className="setup-cards">
+      {names.map((name) => (
+        <fieldset key={name} aria-label={`Motion of ${name}`}>
+          <legend>
+            {name} <span className="hint">group {String(valueAt(view.data, ["arms", name, "group"]) ?? "arm")}</span>
+          </legend>
+          {MOTION.filter((key) => shape.properties?.[key]).map((key) => (
+            <Value key={key} view={view} place={["arms", name, key]} shape={shape.properties?.[key] ?? {}} />
+          ))}
+        </fieldset>
+      ))}
+    </div>
+  );
+}
+
+export function Value({ view, place, shape, bare = false }: FieldProps): JSX.Element {
   const value = valueAt(view.data, place);
   const exact = resolved(shape, view.shape as Shape, value);
   switch (formKind(exact)) {

@@ -5,13 +5,13 @@ import { type JSX, lazy, Suspense, useEffect, useState } from "react";
 import { formKind, freeName, type Shape, shapeAt, valueAt } from "../../model/shapes";
 import type { SetupView, Template } from "../../protocol/generated";
 import { loadGeometry, useRobot } from "../../store/live";
-import { listSetup, type Making, openSetup, probe, saveSetup, setValue, report, useSetup } from "../../store/setup";
+import { listSetup, type Making, openSetup, type Part, probe, saveSetup, setValue, report, useSetup } from "../../store/setup";
 import { ImportForm, InterfaceForm } from "./ImportForm";
 import { MessagesPage } from "./MessagesPage";
 import { ProjectParts, WorldPicture, WorldPlan } from "./ProjectParts";
-import { SchemaForm } from "./SchemaForm";
+import { MotionForm, SchemaForm } from "./SchemaForm";
 import { SetupText } from "./SetupText";
-import { TopicsPage } from "./TopicsPage";
+import { SensorsPage, TopicsPage } from "./TopicsPage";
 import { TryForm } from "./TryForm";
 
 const TITLES: Record<Exclude<Making, null>, string> = { component: "New component", import: "Import a task", topics: "Topics", messages: "Message server" };
@@ -46,6 +46,12 @@ export default function SetupPage(): JSX.Element {
   );
 }
 
+/** Parts of grip.yaml that have a page of their own. */
+const PARTS: readonly [Part, string, string][] = [
+  ["motion", "Planners and kinematics", "of each arm, with their numbers"],
+  ["sensors", "Sensors", "what they see, live"],
+];
+
 const MADE: readonly [Exclude<Making, null>, string, string][] = [
   ["topics", TITLES.topics, "of the ROS graph: receive one, make a sensor"],
   ["messages", TITLES.messages, "live: look, add, change, record"],
@@ -64,26 +70,32 @@ function onKeyDown(event: KeyboardEvent): void {
 function Files({ making, make }: { making: Making; make: (what: Making) => void }): JSX.Element {
   const files = useSetup((s) => s.files);
   const path = useSetup((s) => s.view?.path);
+  const shown = useSetup((s) => s.part);
+  const entry = (file: string, part: Part, title: string, hint: string, doc?: string): JSX.Element => (
+    <li key={file + part}>
+      <button
+        className="setup-file"
+        aria-current={making === null && file === path && part === shown ? "page" : undefined}
+        title={doc}
+        onClick={() => {
+          make(null);
+          useSetup.setState({ part });
+          void openSetup(file);
+        }}
+      >
+        {title}
+        <code>{hint}</code>
+      </button>
+    </li>
+  );
   return (
     <nav className="panel" aria-label="Files of the project">
       <h2>Project</h2>
       <ul className="plain scroll">
-        {files.map((file) => (
-          <li key={file.path}>
-            <button
-              className="setup-file"
-              aria-current={making === null && file.path === path ? "page" : undefined}
-              title={file.doc}
-              onClick={() => {
-                make(null);
-                void openSetup(file.path);
-              }}
-            >
-              {file.title}
-              <code>{file.exists ? file.path : "not there yet"}</code>
-            </button>
-          </li>
-        ))}
+        {files.map((file) => [entry(file.path, "", file.title, file.exists ? file.path : "not there yet", file.doc), ...(file.path === "grip.yaml" ? PARTS.map(([part, title, hint]) => entry(file.path, part, title, hint)) : [])])}
+        <li className="setup-head" aria-hidden="true">
+          More
+        </li>
         {MADE.map(([what, label, hint]) => (
           <li key={what}>
             <button className="setup-file" aria-current={making === what ? "page" : undefined} onClick={() => make(what)}>
@@ -112,13 +124,15 @@ function Open({ view }: { view: SetupView }): JSX.Element {
   if (line !== null && !text) show(true);
   const saved = useSetup((s) => s.saved === s.view?.text);
   const busy = useSetup((s) => s.busy);
+  const chosen = useSetup((s) => s.part);
+  const part = view.kind === "project" ? chosen : "";
   const tries: readonly (readonly ["robot" | "generate" | "test", string])[] =
     view.kind === "component" ? [["generate", "Generate the node"], ["test", "Try it"]] : view.kind === "project" ? [["robot", "Check the robot"]] : [];
   return (
     <>
       <main className={text || tried ? "panel" : "panel alone"} aria-label={view.title}>
         <div className="edit-bar" role="toolbar" aria-label="File">
-          <strong>{view.title}</strong> <code>{view.path}</code>
+          <strong>{PARTS.find(([name]) => name === part)?.[1] ?? view.title}</strong> <code>{view.path}</code>
           <span className="grow" />
           <Templates view={view} />
           {tries.map(([what, label]) => (
@@ -136,12 +150,14 @@ function Open({ view }: { view: SetupView }): JSX.Element {
         </div>
         <div className="scroll padded" tabIndex={0} role="group" aria-label="Form">
           <Found view={view} />
-          {view.kind === "project" && <ProjectParts />}
-          {view.kind === "project" && <OwnRobot robot={JSON.stringify((view.data as { robot?: unknown } | null)?.robot ?? null)} />}
+          {part === "motion" && <MotionForm view={view} />}
+          {part === "sensors" && <SensorsPage view={view} />}
+          {view.kind === "project" && part === "" && <ProjectParts />}
+          {view.kind === "project" && part === "" && <OwnRobot robot={JSON.stringify((view.data as { robot?: unknown } | null)?.robot ?? null)} />}
           {view.kind === "world" && <WorldPlan view={view} />}
-          {view.kind === "world" && <WorldPicture key={view.path} view={view} />}
+          {view.kind === "world" && <WorldPicture key={view.path} name={view.path.replace(/^worlds\/|\.yaml$/g, "")} cameras={Object.keys((view.data as { cameras?: object } | null)?.cameras ?? {})} />}
           {view.kind === "component" && <TryForm path={view.path} />}
-          <SchemaForm view={view} />
+          {part === "" && <SchemaForm view={view} />}
         </div>
       </main>
       {(text || tried) && (

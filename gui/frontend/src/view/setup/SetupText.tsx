@@ -1,5 +1,5 @@
 /** The file itself, beside its form: typed text is looked at as soon as the person pauses. */
-import { autocompletion, type CompletionContext, type CompletionResult, completionKeymap } from "@codemirror/autocomplete";
+import { autocompletion, type CompletionContext, completionKeymap, type CompletionResult } from "@codemirror/autocomplete";
 import { defaultKeymap, history, historyKeymap } from "@codemirror/commands";
 import { yaml } from "@codemirror/lang-yaml";
 import { indentUnit } from "@codemirror/language";
@@ -7,9 +7,8 @@ import { lintGutter, setDiagnostics } from "@codemirror/lint";
 import { EditorState, Transaction } from "@codemirror/state";
 import { EditorView, keymap, lineNumbers } from "@codemirror/view";
 import { type JSX, useEffect, useRef } from "react";
-
 import { formKind, keyBefore, optionsAt, type Shape, shapeAt } from "../../model/shapes";
-import { topicsAt } from "../../model/topics";
+import { topicsAt } from "../../model/parts";
 import { useLive } from "../../store/live";
 import { typeSetup, useSetup } from "../../store/setup";
 import { colours, theme } from "../text/theme";

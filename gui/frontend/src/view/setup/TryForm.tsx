@@ -2,8 +2,10 @@
 import { type JSX, useEffect, useState } from "react";
 
 import { server } from "../../protocol/client";
-import type { ComponentForm, MeasureRequest, RequestPort, RobotParts, TryView } from "../../protocol/generated";
+import type { ComponentForm, MeasureRequest, RequestPort, TryView } from "../../protocol/generated";
+import { valueAt } from "../../model/shapes";
 import { messageOf, useLive, wished } from "../../store/live";
+import { useRun } from "../../store/run";
 import { ValueShown } from "../ValuePreview";
 
 interface Choice {
@@ -117,7 +119,9 @@ const ROBOTS: readonly [MeasureRequest["robot"], string][] = [
 ];
 
 export function MeasureForm(): JSX.Element {
-  const [parts, setParts] = useState<RobotParts | null>(null);
+  const [file, setFile] = useState<unknown>(null);
+  const [error, setError] = useState("");
+  const under_way = useRun((s) => s.session !== null && s.session.run !== null && s.session.state !== "ended");
   const [robot, setRobot] = useState<MeasureRequest["robot"] | "">("");
   const [part, setPart] = useState("");
   const [what, setWhat] = useState<MeasureRequest["what"]>("joints");
@@ -127,18 +131,19 @@ export function MeasureForm(): JSX.Element {
   const served = useLive((s) => s.messages?.served === true);
   useEffect(() => {
     let left = false;
-    server.robotParts().then(
-      (found) => left || setParts(found),
-      (error: unknown) => left || setParts({ arms: [], hands: [], run: "", error: messageOf(error) }),
+    server.setupFile("grip.yaml").then(
+      (view) => left || setFile(view.data),
+      (error: unknown) => left || setError(messageOf(error)),
     );
     return () => {
       left = true;
     };
   }, []);
-  const all = [...(parts?.arms ?? []), ...(parts?.hands ?? [])];
-  const whose = robot || (parts?.run ? "run" : "sim");
+  const [arms, hands] = ["arms", "hands"].map((what) => Object.keys((valueAt(file, [what]) as object | null | undefined) ?? {})) as [string[], string[]];
+  const all = [...arms, ...hands];
+  const whose = robot || (under_way ? "run" : "sim");
   const chosen = part || all[0] || "";
-  const hand = parts?.hands.includes(chosen) === true;
+  const hand = hands.includes(chosen);
   async function measure(): Promise<void> {
     setBusy(true);
     await wished(() => server.measure({ robot: whose, part: chosen, what: hand ? "joints" : what, name: name.trim(), serve: served && serve }));
@@ -147,14 +152,14 @@ export function MeasureForm(): JSX.Element {
   return (
     <fieldset aria-label="Where the robot is">
       <legend>Save the robot's current position</legend>
-      {parts !== null && all.length === 0 ? (
-        <p className="hint">{parts.error || "grip.yaml names no arm and no hand yet."}</p>
+      {(file !== null || error) && all.length === 0 ? (
+        <p className="hint">{error || "grip.yaml names no arm and no hand yet."}</p>
       ) : (
         <>
           <div className="form-field">
             <label htmlFor="measure-robot">Measured at</label>
             <select id="measure-robot" value={whose} onChange={(event) => setRobot(event.target.value as MeasureRequest["robot"])}>
-              {ROBOTS.filter(([each]) => each !== "run" || parts?.run).map(([each, label]) => (
+              {ROBOTS.filter(([each]) => each !== "run" || under_way).map(([each, label]) => (
                 <option key={each} value={each}>
                   {label}
                 </option>

@@ -15,7 +15,7 @@ export const theme = EditorView.theme({
   ".cm-tooltip-autocomplete ul li[aria-selected]": { backgroundColor: "var(--accent)", color: "var(--accent-text)" },
   ".cm-completionDetail": { color: "inherit" },
   ".cm-panels": { backgroundColor: "var(--sunken)", color: "var(--text)" },
-  ".cm-node-line": { boxShadow: "inset 3px 0 0 var(--accent)", backgroundColor: "var(--running-soft)" },
+  ".cm-node-line": { boxShadow: "inset 3px 0 0 var(--brand)", backgroundColor: "var(--select)" },
   ".cm-tooltip.cm-tooltip-hover, .cm-tooltip-lint": { maxWidth: "min(560px, 90vw)" },
   ".cm-diagnostic": { color: "var(--text)", overflowWrap: "anywhere" },
   ".cm-panels-bottom": { borderTop: "1px solid var(--line)" },
@@ -23,7 +23,7 @@ export const theme = EditorView.theme({
   ".cm-panel.cm-search label": { fontSize: "13px" },
   ".cm-button": { backgroundImage: "none", backgroundColor: "var(--surface)", color: "var(--text)", border: "1px solid var(--line-strong)", fontSize: "13px", "&:active": { backgroundImage: "none", backgroundColor: "var(--sunken)" } },
   ".cm-textfield": { width: "auto", minHeight: "28px", backgroundColor: "var(--surface)", color: "var(--text)", border: "1px solid var(--line-strong)", fontSize: "13px" },
-  ".cm-searchMatch": { backgroundColor: "var(--interrupted-soft)", outline: "1px solid var(--interrupted)" },
+  ".cm-searchMatch": { backgroundColor: "var(--warn-soft)", outline: "1px solid var(--warn)" },
   ".cm-searchMatch-selected, .cm-selectionMatch": { backgroundColor: "var(--success-soft)", outline: "1px solid var(--success)" },
   ".cm-foldPlaceholder": { backgroundColor: "var(--sunken)", color: "var(--quiet)", border: "1px solid var(--line-strong)" },
 });
@@ -31,7 +31,7 @@ export const theme = EditorView.theme({
 export const colours = syntaxHighlighting(
   HighlightStyle.define([
     { tag: tags.comment, color: "var(--quiet)", fontStyle: "italic" },
-    { tag: [tags.definition(tags.propertyName), tags.propertyName], color: "var(--accent)" },
+    { tag: [tags.definition(tags.propertyName), tags.propertyName], color: "var(--running)" },
     { tag: [tags.string, tags.content], color: "var(--text)" },
     { tag: [tags.number, tags.bool, tags.null], color: "var(--success)" },
     { tag: [tags.punctuation, tags.separator, tags.squareBracket, tags.brace], color: "var(--quiet)" },
