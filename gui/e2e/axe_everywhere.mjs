@@ -12,6 +12,12 @@ for (const colorScheme of ["light", "dark"]) {
       await button("Project").click();
       await page.getByRole("group", { name: "Form" }).waitFor();
       await look("robot, sensors, processes");
+      for (const name of ["Planners and kinematics", "Sensors"]) {
+        await page.getByRole("button", { name: new RegExp(`^${name}`) }).click();
+        await page.getByRole("toolbar", { name: "File" }).getByText(name, { exact: true }).waitFor();
+        await look(name);
+      }
+      await page.getByRole("button", { name: /^Robot, sensors/ }).click();
       await page.getByLabel("Insert a template").selectOption("Panda with an Allegro hand");
       await page.getByLabel("Insert a template").selectOption("an arm with a hand");
       await page.getByRole("list", { name: "Problems of the file" }).waitFor();

@@ -32,6 +32,11 @@ for (const colorScheme of ["light", "dark"]) {
         await received.getByRole("img", { name: picture }).waitFor();
         await shot(name.replaceAll("/", "-"));
       }
+      // Its picture, again and again.
+      await page.getByLabel("Live", { exact: true }).check();
+      await page.getByText("/camera/color, live").waitFor();
+      await page.getByLabel("Live", { exact: true }).uncheck();
+      await received.getByRole("img").waitFor();
       await check(page, `${colorScheme}, topics`);
       await page.getByLabel("Filter topics").fill("points");
       await topics.getByText("/words").waitFor({ state: "detached" });

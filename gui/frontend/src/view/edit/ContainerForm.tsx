@@ -8,13 +8,17 @@ import { edit } from "../../store/editing";
 import { useRun } from "../../store/run";
 import { CasesForm, RulesForm, WaitForm } from "./RulesForm";
 import { VariablesForm } from "./TaskForm";
-import { ChoiceField, expressionCheck, ValueField } from "./fields";
+import { ChoiceField, expressionCheck, Prose, ValueField } from "./fields";
 
 export function ContainerForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
   const face = kindOf(node.kind);
   return (
     <>
-      {face && <p className="hint">{face.doc.split("\n\n")[0]}</p>}
+      {face && (
+        <p className="hint">
+          <Prose text={face.doc.split("\n\n")[0] ?? ""} />
+        </p>
+      )}
       {face?.fields.map((field) => {
         const Rows = ROWS[field.key];
         return Rows ? <Rows key={field.key} field={field} node={node} locked={locked} /> : <Setting key={field.key} field={field} node={node} locked={locked} />;

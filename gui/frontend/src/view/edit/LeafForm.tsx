@@ -8,7 +8,7 @@ import { edit } from "../../store/editing";
 import { newVariableFor } from "../../store/gestures";
 import { namesFor, needNames, useNames } from "../../store/tasks";
 import { useRun } from "../../store/run";
-import { ChoiceField, ValueField } from "./fields";
+import { ChoiceField, Prose, ValueField } from "./fields";
 
 const NEW = "\n";
 
@@ -18,7 +18,11 @@ export function LeafForm({ node, locked }: { node: NodeView; locked: boolean }):
   return (
     <>
       {known === undefined && node.kind === "leaf" && <p className="fault">No node of the catalogue is called {node.label}.</p>}
-      {known && <p className="hint">{known.doc}</p>}
+      {known && (
+        <p className="hint">
+          <Prose text={known.doc} />
+        </p>
+      )}
       {face.parameters.length > 0 && <h3>Parameters</h3>}
       <Parameters node={node} face={face} locked={locked} />
       <Ports title="Reads" side="in" ports={face.inputs} bound={node.inputs} node={node} locked={locked} />

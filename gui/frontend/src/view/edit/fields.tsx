@@ -13,6 +13,11 @@ interface FieldProps {
   readonly mark?: string;
 }
 
+/** What docs say, with names that stand between backticks as such. */
+export function Prose({ text }: { text: string }): JSX.Element {
+  return <>{text.split("`").map((part, at) => (at % 2 === 1 ? <code key={at}>{part}</code> : part))}</>;
+}
+
 export function Field({ label, doc, children, fault, mark }: FieldProps): JSX.Element {
   const id = useId();
   return (
@@ -22,7 +27,7 @@ export function Field({ label, doc, children, fault, mark }: FieldProps): JSX.El
       </label>
       {children(id, `${id}-about`)}
       <p id={`${id}-about`} className={fault ? "fault" : "hint"}>
-        {fault || doc}
+        {fault || (doc && <Prose text={doc} />)}
       </p>
     </div>
   );

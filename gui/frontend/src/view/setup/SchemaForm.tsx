@@ -4,6 +4,7 @@ import { entryShape, formKind, freeName, type Key, listOf, optionsAt, resolved, 
 import { topicsAt } from "../../model/parts";
 import type { SetupView } from "../../protocol/generated";
 import { useLive } from "../../store/live";
+import { Prose } from "../edit/fields";
 import { removeValue, renameValue, setValue } from "../../store/setup";
 
 interface FieldProps {
@@ -111,7 +112,9 @@ function Fields({ view, place, shape, bare = false }: FieldProps): JSX.Element {
   if (value === undefined || value === null)
     return (
       <p className="setup-absent">
-        <button onClick={() => void setValue([...place], {})}>Add {labelOf(place)}</button> <span className="hint">{shape.description?.split("\n")[0]}</span>
+        <button onClick={() => void setValue([...place], {})}>Add {labelOf(place)}</button> <span className="hint">
+          <Prose text={shape.description?.split("\n")[0] ?? ""} />
+        </span>
       </p>
     );
   if (bare) return <>{all}</>;
@@ -248,7 +251,7 @@ function Scalar({ view, place, shape }: FieldProps): JSX.Element {
       )}
       {(reason || shape.description) && (
         <p id={`${id}-said`} className={wrong ? "fault" : reason ? "doubt" : "hint"}>
-          {reason || shape.description}
+          {reason || <Prose text={shape.description ?? ""} />}
         </p>
       )}
     </div>
