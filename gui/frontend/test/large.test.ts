@@ -43,6 +43,16 @@ test("only what touches the part in sight is drawn, and everything is somewhere"
   expect(seen.size).toBeLessThan(20);
 });
 
+test("of a parent's lines that only pass through what is in sight, some stand for all", () => {
+  const nodes = tree(3000, 0);
+  const boxes = layoutTree(nodes);
+  const whole = extent(boxes.values());
+  const far = { ...whole, top: whole.bottom - 2000, bottom: whole.bottom - 1000 };
+  const lines = linesIn(far, nodes, boxes).split("M").length - 1;
+  expect(lines).toBeGreaterThanOrEqual(idsIn(far, boxes).size);
+  expect(lines).toBeLessThan(200);
+});
+
 test("a node that an edit leaves as it was is the object that it was, and so is a task that stays the same", () => {
   const problem = (path: string): Problem => ({ path, code: "c", severity: "error", message: "", fix: "", line: null, column: null, key: [], fixes: [] });
   const before = { ...SMALL, nodes: tree(2, 2), problems: [problem("g0/l0"), problem("g1/l0")] };

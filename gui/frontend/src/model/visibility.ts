@@ -40,9 +40,13 @@ export function touches(points: readonly Point[], area: Area): boolean {
   });
 }
 
+/** So many lines of one parent that only pass through an area stand for all that do: they lie over one another. */
+const BUNDLE = 48;
+
 /** The lines from parents to children that touch an area, as one SVG path. */
 export function linesIn(area: Area, nodes: readonly NodeView[], boxes: ReadonlyMap<string, Box>): string {
   const parts: string[] = [];
+  const passing = new Map<Box, string[]>();
   for (const node of nodes) {
     const to = boxes.get(node.path);
     const from = node.parent === null ? undefined : boxes.get(node.parent);
@@ -52,7 +56,13 @@ export function linesIn(area: Area, nodes: readonly NodeView[], boxes: ReadonlyM
     const y2 = to.y + LINE_AT;
     if (x1 > area.right || to.x < area.left || Math.min(y1, y2) > area.bottom || Math.max(y1, y2) < area.top) continue;
     const middle = (x1 + to.x) / 2;
-    parts.push(`M${x1} ${y1}C${middle} ${y1} ${middle} ${y2} ${to.x} ${y2}`);
+    const line = `M${x1} ${y1}C${middle} ${y1} ${middle} ${y2} ${to.x} ${y2}`;
+    if (y2 >= area.top && y2 <= area.bottom) parts.push(line);
+    else if (!passing.get(from)?.push(line)) passing.set(from, [line]);
+  }
+  for (const lines of passing.values()) {
+    const step = Math.ceil(lines.length / BUNDLE);
+    parts.push(...lines.filter((_, at) => at % step === 0));
   }
   return parts.join("");
 }
