@@ -1,7 +1,6 @@
 import { describe, expect, it } from "vitest";
-
 import { historyRows } from "../src/model/history";
-import { findings, matching } from "../src/model/search";
+import { findings, matching } from "../src/model/commands";
 import { TaskIndex } from "../src/model/status";
 import { parseValue, usesOf, valueText } from "../src/model/values";
 import { node, task } from "./tasks";

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { initials, pagesAt, taken, toTell } from "../src/store/others";
+
+import { initials, pagesAt, taken, toTell } from "../src/model/others";
 
 const at = (...nodes: string[]) => ({ task: "tasks/t.yaml", nodes });
 

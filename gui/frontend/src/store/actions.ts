@@ -1,5 +1,5 @@
 /** Every action by name and key: for the keyboard, the buttons, and the list of commands. */
-import { findings } from "../model/search";
+import { findings } from "../model/commands";
 import { kinds } from "../model/kinds";
 import { allFolded } from "../model/visibility";
 import { PAGE } from "../protocol/client";

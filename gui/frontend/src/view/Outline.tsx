@@ -4,12 +4,14 @@ import { kindTitle } from "../model/kinds";
 import { statusText } from "../model/words";
 import { IDLE } from "../model/status";
 import { outlineKey, type Row, visibleRows } from "../model/visibility";
-import { selectedBy, useOthersAt } from "../store/others";
+import { selectedBy } from "../model/others";
+import { useOthersAt } from "../store/others";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { OtherDots } from "./Presence";
 import { ROW_HEIGHT, useDropTarget, useWindow } from "./hooks";
-import { HoldMark, KindIcon, lensMark, PhaseIcon, ProblemMark } from "./icons";
+import { HoldMark, lensMark, ProblemMark } from "./marks";
+import { KindIcon, PhaseIcon } from "./icons";
 
 export function Outline(): JSX.Element {
   const nodes = useRun((s) => s.task.nodes);

@@ -3,7 +3,8 @@ import type { JSX } from "react";
 import { PAGE } from "../protocol/client";
 import type { Viewer } from "../protocol/generated";
 import { askForName } from "../store/actions";
-import { initials, selectedBy, useOthersAt } from "../store/others";
+import { initials, selectedBy } from "../model/others";
+import { useOthersAt } from "../store/others";
 import { holderText, isHeldElsewhere, useRunning } from "../store/runDesk";
 import { giveBack, takeOver } from "../store/running";
 

@@ -13,7 +13,8 @@ import { BriefSettings, briefSettings } from "./edit/ContainerForm";
 import { useForm } from "./edit/EditBar";
 import { Parameters, useFace } from "./edit/LeafForm";
 import { useDropTarget } from "./hooks";
-import { HoldMark, KindIcon, lensMark, PhaseIcon, ProblemMark } from "./icons";
+import { HoldMark, lensMark, ProblemMark } from "./marks";
+import { KindIcon, PhaseIcon } from "./icons";
 import { isNear } from "./drawing";
 
 export function TreeNode({ data }: NodeProps): JSX.Element {

@@ -1,7 +1,6 @@
 /** The dialog of the question that is open: a text, a few buttons, or a choice from a list that is filtered while typing. */
 import { type JSX, type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from "react";
-
-import { matching } from "../../model/search";
+import { matching } from "../../model/commands";
 import { turned } from "../../model/values";
 import { type ChoiceQuestion, isFew, type TextQuestion, useAsk } from "../../store/ask";
 

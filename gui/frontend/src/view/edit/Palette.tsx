@@ -1,10 +1,9 @@
 /** What a task can be made of: found by typing, added by a press, dragged to a place. */
 import { type JSX, useMemo, useState } from "react";
-
 import { kinds } from "../../model/kinds";
 import { NEW_COMPONENT, toBeMade } from "../../model/parts";
 import { groupOf, GROUPS } from "../../model/words";
-import { matching } from "../../model/search";
+import { matching } from "../../model/commands";
 import { useDocument } from "../../store/document";
 import { add } from "../../store/gestures";
 import { useRun } from "../../store/run";

@@ -16,7 +16,7 @@ import { useRun } from "../../store/run";
 import { FormBadge } from "../edit/EditBar";
 import { drop, isDrag } from "../hooks";
 import { Detail, type Face, Overview, type Sight, Sketch, type Stroke, useLeastZoom, useSight, Whole } from "../drawing";
-import { NewPane } from "../icons";
+import { NewPane } from "../marks";
 import { EndNode, FlowEdgeLine, FlowNode, INSIDE, roundedToDot, StartNode } from "./FlowNode";
 import { useChart } from "./layouter";
 

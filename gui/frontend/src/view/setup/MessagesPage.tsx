@@ -1,11 +1,10 @@
 /** The named messages of a running server, live: look, add, change, delete, and keep where the robot is. */
 import { type JSX, useEffect, useState } from "react";
-
 import { server } from "../../protocol/client";
 import type { LiveMessage, StoredMessage } from "../../protocol/generated";
 import { askChoice } from "../../store/ask";
 import { lookAtMessages, messageOf, useLive, wished } from "../../store/live";
-import { ValueShown } from "../ValuePreview";
+import { ValueShown } from "../SidePanel";
 import { MeasureForm } from "./TryForm";
 
 const PERIOD = 1500;

@@ -5,7 +5,7 @@ import { server } from "../../protocol/client";
 import { type Shape, shapeAt, valueAt } from "../../model/shapes";
 import type { ReceivedView, SetupView, TopicView } from "../../protocol/generated";
 import { lookAtTopics, messageOf, useAsCamera, useAsSensor, useLive } from "../../store/live";
-import { ValueShown } from "../ValuePreview";
+import { ValueShown } from "../SidePanel";
 import { WorldPicture } from "./ProjectParts";
 import { Value } from "./SchemaForm";
 

@@ -1,12 +1,11 @@
 /** Try a component with a sample: a recorded value, or one that is typed; its answer is shown field by field. */
 import { type JSX, useEffect, useState } from "react";
-
 import { server } from "../../protocol/client";
 import type { ComponentForm, MeasureRequest, RequestPort, TryView } from "../../protocol/generated";
 import { valueAt } from "../../model/shapes";
 import { messageOf, useLive, wished } from "../../store/live";
 import { useRun } from "../../store/run";
-import { ValueShown } from "../ValuePreview";
+import { ValueShown } from "../SidePanel";
 
 interface Choice {
   readonly sample: string;

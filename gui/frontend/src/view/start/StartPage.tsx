@@ -1,9 +1,8 @@
 /** Where an empty project begins: a robot, a task from elsewhere, or an example; and what the project then has. */
 import "../setup/setup.css";
 import { type JSX, lazy, type ReactNode, Suspense, useEffect, useState } from "react";
-
 import { firstTask } from "../../model/parts";
-import { matching } from "../../model/search";
+import { matching } from "../../model/commands";
 import { server } from "../../protocol/client";
 import type { GeometryView } from "../../protocol/generated";
 import { begin, leaveBeginning, openExample, openFirst, useBegin } from "../../store/begin";
