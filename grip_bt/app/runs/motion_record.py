@@ -81,7 +81,7 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
                     told |= moved
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
                 for name, arm in resources.arms.items():
-                    if (way := getattr(arm, "follows", None)) is not ways.get(name):
+                    if (way := getattr(arm, "follows", None)) is not None and way is not ways.get(name):
                         ways[name], line["way"] = way, {**line.get("way", {}), name: _points(way, parts[name])}
                 touch = {hand: {link: round(f, 1) for link, f in it.contacts().items()} for hand, it in hands.items()}
                 if touch != touched:
