@@ -1,11 +1,12 @@
 """Run somebody's trees of py_trees as they are, and import them; print a table.
 
-    python tools/pytrees_table.py [--ticks N] [--path FOLDER ...] WHERE ...
+    python tools/pytrees_table.py [--ticks N] [--stand-ins] [--path FOLDER ...] WHERE ...
 
 WHERE is what `grip run` takes: `module:function`, `file.py:function` or `file.py`; or a folder, all of whose functions
 that look as if they made a tree are tried. This runs their code. For each tree: how many nodes it has; whether it was
-ticked N times by the runner, drawn, and had the same statuses after each tick as under py_trees alone; and how many of
-its nodes become kinds and node types of ours when it is imported.
+ticked N times by the runner, drawn, journalled, and had the same statuses after each tick, or raised the same in one,
+as under py_trees alone; and how many of its nodes become kinds and node types of ours when it is imported. With
+`--stand-ins` packages that are missing are stood in for, in all three.
 """
 
 from __future__ import annotations
@@ -50,12 +51,16 @@ def candidates(where: str) -> Iterator[tuple[str, str]]:
             yield from ((each, each) for each in makers)
 
 
-def alone(where: str, ticks: int) -> list[Any]:
-    """Tick by py_trees alone; return the statuses after each tick."""
-    from grip_bt.nodes.tree_code import find_tree, place_of
+def alone(where: str, ticks: int, stand_ins: bool, told: dict[str, Any]) -> list[Any]:
+    """Tick by py_trees alone; return the statuses after each tick, up to one in which a behaviour raises."""
+    from grip_bt.nodes.dry_run import dry_run_of_tree
+    from grip_bt.nodes.tree_code import find_tree, is_of_ros, place_of
 
+    if stand_ins:
+        dry_run = dry_run_of_tree(lambda what: None, place_of(where).file)
+        dry_run.__enter__()
     found = find_tree(place_of(where))
-    if not found.ready and "rclpy" in sys.modules:
+    if not found.ready and is_of_ros(found.tree.root):
         from grip_bt.ros.client.connection import TreeNode
 
         found.tree.setup(node=TreeNode().node)
@@ -63,12 +68,15 @@ def alone(where: str, ticks: int) -> list[Any]:
         found.tree.setup()
     seen: list[Any] = []
     found.tree.post_tick_handlers.append(lambda tree: seen.append([each.status.name for each in tree.root.iterate()]))
-    for _ in range(ticks):
-        found.tree.tick()
+    try:
+        for _ in range(ticks):
+            found.tree.tick()
+    except Exception as error:  # noqa: BLE001 - somebody's behaviour may raise anything
+        told["raised"] = type(error).__name__
     return seen
 
 
-def under_the_runner(where: str, ticks: int, told: dict[str, Any]) -> list[Any]:
+def under_the_runner(where: str, ticks: int, stand_ins: bool, told: dict[str, Any]) -> list[Any]:
     """Tick by the runner, with a journal; return the same."""
     from grip_bt.app.runs.execute import RunOptions, open_session
     from grip_bt.formats.draw import to_svg
@@ -76,7 +84,7 @@ def under_the_runner(where: str, ticks: int, told: dict[str, Any]) -> list[Any]:
     from grip_bt.task.catalog import Catalog
 
     seen: list[Any] = []
-    options = RunOptions(journal=Path("table.sqlite"), ticks=ticks, rate=200.0)
+    options = RunOptions(journal=Path("table.sqlite"), ticks=ticks, rate=200.0, stand_ins=stand_ins)
     with open_session(where, options) as session:
         tree: Any = session.runner.compiled
         told["nodes"] = sum(1 for _ in tree.root.iterate())
@@ -87,39 +95,40 @@ def under_the_runner(where: str, ticks: int, told: dict[str, Any]) -> list[Any]:
         told["ended"] = result.status + (f": {result.error}" if result.error else "")
         run, journal = session.runner.run_id, session.journal
     with JournalReader(journal) as reader:
-        told["events"] = sum(1 for _ in reader.events(run))
+        told["ends"] = sum(1 for event in reader.events(run) if event.event in ("exit", "interrupted"))
     return seen
 
 
-def imported(where: str, told: dict[str, Any]) -> None:
+def imported(where: str, stand_ins: bool, told: dict[str, Any]) -> None:
     """Import it; count what became what."""
     from grip_bt.formats.pytrees import import_from_code
     from grip_bt.task.model import Foreign, walk
 
-    made = import_from_code(where, Path.cwd())
+    made = import_from_code(where, Path.cwd(), stand_ins=stand_ins)
     kinds = [node for _, node in walk(made.task.root)]
     foreign = [node.behaviour for node in kinds if isinstance(node, Foreign)]
     told |= {"imported": len(kinds), "kept": len(foreign), "foreign": sorted(set(foreign))}
 
 
-def one(where: str, ticks: int, what: str) -> dict[str, Any]:
+def one(where: str, ticks: int, stand_ins: bool, what: str) -> dict[str, Any]:
     """Return what a process of its own finds out."""
     told: dict[str, Any] = {}
     try:
         if what == "alone":
-            told["seen"] = alone(where, ticks)
+            told["seen"] = alone(where, ticks, stand_ins, told)
         elif what == "run":
-            told["seen"] = under_the_runner(where, ticks, told)
+            told["seen"] = under_the_runner(where, ticks, stand_ins, told)
         else:
-            imported(where, told)
+            imported(where, stand_ins, told)
     except BaseException as error:  # noqa: BLE001 - somebody's code may do anything
         told["error"] = f"{type(error).__name__}: {error}".splitlines()[0]
     return told
 
 
-def child(where: str, ticks: int, what: str) -> dict[str, Any]:
+def child(where: str, ticks: int, stand_ins: bool, what: str) -> dict[str, Any]:
     """Have it found out, within the limit."""
-    command = [sys.executable, __file__, "--ticks", str(ticks), "--what", what, where]
+    command = [sys.executable, "-P", __file__, "--ticks", str(ticks), "--what", what, where]
+    command += ["--stand-ins"] if stand_ins else []
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
@@ -137,11 +146,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("where", nargs="+")
     parser.add_argument("--ticks", type=int, default=10)
+    parser.add_argument("--stand-ins", action="store_true", help="stand in for what is missing")
     parser.add_argument("--path", action="append", default=[], help="where their modules are looked for too")
     parser.add_argument("--what", default="", help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.what:
-        print(json.dumps({"told": one(args.where[0], args.ticks, args.what)}), flush=True)
+        print(json.dumps({"told": one(args.where[0], args.ticks, args.stand_ins, args.what)}), flush=True)
         os._exit(0)
     os.environ["PYTHONPATH"] = os.pathsep.join([*args.path, os.environ.get("PYTHONPATH", "")])
     print("| tree | nodes | runs unchanged | drawn | same statuses | became ours | what is kept, or why not |")
@@ -150,15 +160,18 @@ def main() -> None:
     for where, made_by in (each for given in args.where for each in candidates(given)):
         began = time.monotonic()
         run, plain, made = (
-            child(made_by if what == "import" else where, args.ticks, what) for what in ("run", "alone", "import")
+            child(made_by if what == "import" else where, args.ticks, args.stand_ins, what)
+            for what in ("run", "alone", "import")
         )
-        runs = len(run.get("seen", ())) == args.ticks
+        raised = plain.get("raised", "nothing")
+        runs = len(run.get("seen", ())) == args.ticks or f" {raised}: " in run.get("ended", "")
         same = runs and run["seen"] == plain.get("seen")
         ours = made.get("imported", 0) - made.get("kept", 0)
         why = (
             run.get("error")
-            or ("" if runs else run.get("ended", ""))
+            or (run["ended"] if run.get("ended", "").startswith("error") else "")
             or made.get("error")
+            or ("" if same else plain.get("error", ""))
             or ", ".join(made["foreign"])
         )
         share = f"{ours} of {made['imported']}" if "imported" in made else "-"

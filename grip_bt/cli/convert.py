@@ -12,6 +12,7 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
 from grip_bt.base.yaml.tree import read_file
+from grip_bt.cli.parser import STAND_INS
 from grip_bt.cli.terminal import put
 from grip_bt.compilers import restructure
 from grip_bt.formats.pytrees import import_from_code
@@ -78,6 +79,7 @@ def add_convert(parser: argparse.ArgumentParser) -> None:
     add("--approximate", action="store_true", help=inexact)
     code = "TASK is code that makes a tree of py_trees, as `grip run` takes it: run it to draw the tree"
     add("--execute", action="store_true", help=code)
+    add("--stand-ins", action="store_true", help=f"--execute: {STAND_INS}")
     add("-o", "--output", metavar="OUT", default="-", help="file to write; default: stdout")
     parser.set_defaults(run=run)
 
@@ -88,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
         args.usage_error("--approximate is for --to sm")
     if args.execute:
         refuse([f"--execute: imports and runs {args.task}"])
-        task = import_from_code(args.task, Path.cwd(), as_it_is=True).task
+        task = import_from_code(args.task, Path.cwd(), as_it_is=True, stand_ins=args.stand_ins).task
         document, catalog = read_text(dumps(task), args.task), Catalog.builtin()
     else:
         document, catalog = read_text(read_file(args.task), args.task), project_catalog(args.task)

@@ -15,7 +15,7 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError, listing
 from grip_bt.base.yaml.tree import parse, read_file, to_data
-from grip_bt.cli.parser import add_no_code
+from grip_bt.cli.parser import STAND_INS, add_no_code
 from grip_bt.cli.terminal import Bar, put
 from grip_bt.formats.imported import Imported, Request, generated_by, write_generated
 from grip_bt.nodes.tree_code import is_tree_code
@@ -27,7 +27,7 @@ _PACKAGES = {"btcpp": "btcpp", "grip": "first_grip", "pytrees": "pytrees", "smac
 _OPTIONS = {
     "btcpp": ("machine", "more"),
     "grip": (),
-    "pytrees": ("execute",),
+    "pytrees": ("execute", "stand_ins"),
     "smach": ("machine", "execute", "arguments", "success"),
 }
 """Source -> its package in `formats`, and the options that aren't for every source."""
@@ -54,6 +54,7 @@ def add_import(parser: argparse.ArgumentParser) -> None:
     add("--machine", metavar="NAME", help="only this one of several machines or trees")
     code = "also run the code, in a process of its own, to see what it builds: only for code that you trust"
     add("--execute", action="store_true", help=code)
+    add("--stand-ins", action="store_true", help=f"pytrees: {STAND_INS}")
     given = "--execute of smach, YAML or JSON: parameter -> value, or class or function -> parameter -> value"
     add("--arguments", type=Path, metavar="FILE", help=given)
     outcome = "smach: an outcome that means success, whatever it is called"
@@ -77,6 +78,7 @@ def run(args: argparse.Namespace) -> int:
                 bound=around.folder if (around.folder / "grip.yaml").is_file() else None,
                 select=args.machine or "",
                 execute=args.execute,
+                stand_ins=args.stand_ins,
                 arguments=_arguments(args.arguments),
                 success=tuple(args.success or ()),
                 progress=bar,
@@ -93,9 +95,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check_options(args: argparse.Namespace) -> None:
-    for option in ("machine", "execute", "arguments", "success", "more"):
+    for option in ("machine", "execute", "stand_ins", "arguments", "success", "more"):
         if getattr(args, option) and option not in _OPTIONS[args.source]:
-            what = f"--{option} isn't" if option != "more" else "several paths aren't"
+            what = f"--{option.replace('_', '-')} isn't" if option != "more" else "several paths aren't"
             args.usage_error(f"{what} for --from {args.source}")
     if args.arguments is not None and not args.execute:
         args.usage_error("--arguments are for --execute")

@@ -14,6 +14,8 @@ _T = TypeVar("_T")
 Reader = Callable[[str], _T]
 _CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)$")
 
+STAND_INS = "stand in for packages, arguments, services and actions that are missing, and name them"
+
 
 def add_no_code(parser: argparse.ArgumentParser) -> None:
     """Add the option of verbs that run what lies in a project."""

@@ -14,12 +14,12 @@ from grip_bt.app.project.folder import FILE_NAME, find_project, make_project, ro
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.files import replace_text
-from grip_bt.cli.parser import add_no_code
+from grip_bt.cli.parser import STAND_INS, add_no_code
 from grip_bt.cli.terminal import on_hang_up
 from grip_bt.formats.pytrees import import_from_code
 from grip_bt.nodes.tree_code import is_tree_code, place_of
 from grip_bt.task import dumps
-from grip_bt.task.validation.parts import DRAWN
+from grip_bt.task.validation.parts import DRAWN, STOOD_IN
 
 
 def add_new(parser: argparse.ArgumentParser) -> None:
@@ -76,6 +76,7 @@ def add_edit(parser: argparse.ArgumentParser) -> None:
     path = "a project folder or a task file (default: here); with --execute, code that makes a tree of py_trees"
     parser.add_argument("path", nargs="?", default=".", type=Path, help=path)
     parser.add_argument("--execute", action="store_true", help="run that code to draw its tree, if you trust it")
+    parser.add_argument("--stand-ins", action="store_true", help=f"--execute: {STAND_INS}")
     parser.add_argument("--port", type=int, default=0, help="port on this machine (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
     parser.add_argument("--study", metavar="CSV", type=Path, help="add up there how long what had the focus [s]")
@@ -86,7 +87,7 @@ def run_edit(args: argparse.Namespace) -> int:
     from grip_gui.server import serve  # here, since `grip edit --help` needs no extra
 
     if args.execute:
-        args.path = _drawn(str(args.path))
+        args.path = drawing_of(str(args.path), args.stand_ins)
     elif is_tree_code(str(args.path)) and not args.path.exists():
         raise GripError(f"{args.path}: its tree is drawn by running it; if you trust it, say so with --execute")
     if not args.path.exists():
@@ -96,17 +97,17 @@ def run_edit(args: argparse.Namespace) -> int:
     return serve(args.path, task=task, port=args.port, open_browser=not args.no_browser, study=args.study)
 
 
-def _drawn(where: str) -> Path:
+def drawing_of(where: str, stand_ins: bool) -> Path:
     """Write the task that draws somebody's tree, in a project of its own that may run it; return its file."""
     refuse([f"--execute: imports and runs {where}"])
     place = place_of(where)
-    task = import_from_code(where, Path.cwd(), as_it_is=True).task
+    task = import_from_code(where, Path.cwd(), as_it_is=True, stand_ins=stand_ins).task
     name = f"{place.import_name}.{place.name}"
     folder = find_project(place.file or Path.cwd()).state_folder / "trees" / name
     folder.mkdir(parents=True, exist_ok=True)
     (folder / FILE_NAME).write_text(f"grip: 1\ncode: ['{place.import_name}:{place.name}']\n", encoding="utf-8")
     source = where if place.file is None else str(place.file.resolve()) + where.removeprefix(str(place.file))
-    drawing = task.model_copy(update={"x": {**task.x, DRAWN: source}})
+    drawing = task.model_copy(update={"x": {**task.x, DRAWN: source, **({STOOD_IN: True} if stand_ins else {})}})
     file = folder / f"{place.name}.yaml"
     replace_text(file, f"# What {where} builds; a run of this runs that.\n{dumps(drawing)}")
     return file

@@ -19,7 +19,7 @@ from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.app.wiring.parts import silent
 from grip_bt.cli import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
-from grip_bt.cli.parser import add_no_code, number, whole
+from grip_bt.cli.parser import STAND_INS, add_no_code, number, whole
 from grip_bt.cli.terminal import on_stop, progress, tell
 from grip_bt.runtime import JournalReader, RunResult, serve_control
 from grip_bt.runtime.control import RunEnd, result_facts
@@ -54,7 +54,7 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     seconds = number(what="a number of seconds")
     doc = f"end a run whose node hangs for S seconds (default: {WATCHDOG:g}; 0: never)"
     add("--watchdog", type=seconds, action=_Given, default=WATCHDOG, metavar="S", help=doc)
-    add("--stand-ins", action="store_true", help="dry run of an imported SMACH task: what is missing is stood in for")
+    add("--stand-ins", action="store_true", help=f"SMACH tasks, py_trees trees: {STAND_INS}")
     group = parser.add_argument_group("mocks")
     add = group.add_argument
     script = "what a node does in place of its work, such as failure.no_ik,success"

@@ -30,6 +30,7 @@ CODES: dict[str, Severity] = {
     "renamed": "info",
     "left-out": "info",
     "null-at-first": "info",
+    "stood-in": "info",
 }
 """What an import may find; `docs/validation_rules.md` explains each."""
 
@@ -54,6 +55,7 @@ class Request:
         bound: the folder that files which it includes have to lie in; its own by default.
         select: the only tree or machine that is wanted; empty for all.
         execute: whether the source's code may be run.
+        stand_ins: whether that code gets stand-ins for packages that are missing.
         arguments: what is given to that code: class or function, or empty for all -> parameter -> value.
         success: outcomes that mean success, whatever they are called.
         progress: hears how many of how many files are done, and which one comes.
@@ -65,6 +67,7 @@ class Request:
     bound: Path | None = None
     select: str = ""
     execute: bool = False
+    stand_ins: bool = False
     arguments: Mapping[str, Mapping[str, JsonValue]] = field(default_factory=dict)
     success: tuple[str, ...] = ()
     progress: Callable[[int, int, str], None] = lambda done, all, name: None

@@ -8,24 +8,43 @@ from __future__ import annotations
 
 import functools
 import re
+import shutil
 import sys
 import threading
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
+from importlib import import_module
 from importlib.machinery import ModuleSpec
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 from unittest import mock
 
-from py_trees.behaviours import Success
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
 from py_trees.composites import Composite
+from py_trees.decorators import Decorator
+from py_trees.trees import BehaviourTree
 
 from grip_bt import smach_compat
 from grip_bt.smach_compat import Container, State, smach_ros
 from grip_bt.smach_compat.smach_ros._port import Ros
 
-from .stand_ins import StandInFinder, StandInModule, name_of, stand_in, stands_in, unwrapped
+from .smach_source import workspace_of
+from .stand_ins import (
+    StandIn,
+    StandInFinder,
+    StandInModule,
+    is_generated,
+    name_of,
+    stand_in,
+    stand_in_class,
+    stands_in,
+    unwrapped,
+)
 
 _SUCCESS = frozenset(
     (
@@ -160,15 +179,26 @@ def _going_on(state: Any, execute: Callable[..., Any], told: list[str], tell: Ca
     return executed
 
 
+Made = Mapping[str, Callable[[ModuleType], object]]
+"""Module -> what gives it names of its own where it is stood in for."""
+
+
+_OF_ROS = ("launch",)
+"""A package of ROS after which every other package has a folder, without `__init__.py`."""
+
+
 class _TellingFinder(StandInFinder):
+    parts = True
+
     def __init__(self, tell: Callable[[str], object]):
         super().__init__()
         self._tell = tell
 
     def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
-        """Stand in for a module that no finder has, of those that came later either; tell of its package once."""
+        """Stand in for a module that no other finder has, or that wasn't built; tell of its package once."""
         for finder in sys.meta_path[sys.meta_path.index(self) + 1 :]:
-            if (found := finder.find_spec(fullname, path, target)) is not None:  # type: ignore[arg-type]
+            found = finder.find_spec(fullname, path, target)  # type: ignore[arg-type]
+            if found is not None and not (found.loader is None and (is_generated(fullname) or fullname in _OF_ROS)):
                 return found
         known = len(self.packages)
         found = super().find_spec(fullname, path, target)
@@ -178,12 +208,13 @@ class _TellingFinder(StandInFinder):
 
 
 @contextmanager
-def dry_run(tell: Callable[[str], object]) -> Iterator[None]:
+def dry_run(tell: Callable[[str], object], made: Made | None = None) -> Iterator[None]:
     """Stand in for packages that aren't installed and for what nobody offers over ROS; `tell` is told of each."""
     installed, finder = "smach" in sys.modules, _TellingFinder(lambda what: named(what))
+    finder.made |= made or {}
 
     def added(composite: Composite, child: Any) -> Any:
-        return add_child(composite, Success(name_of(child)) if stands_in(child) else child)
+        return add_child(composite, _behaviour(child))
 
     def named(what: str) -> None:
         if what not in told:
@@ -195,13 +226,19 @@ def dry_run(tell: Callable[[str], object]) -> Iterator[None]:
         if not isinstance(state, Container):
             state.execute = _going_on(state, state.execute, told, named)
 
+    def decorated(decorator: Decorator, name: str, child: Any) -> None:
+        decorate(decorator, name, _behaviour(child))
+
     add_child, begin, told = Composite.add_child, State.__init__, list[str]()
+    decorate = Decorator.__init__
     smach_compat.install(rospy=True)
     smach_ros.use(_ImpatientRos(stand_in, named))
-    sys.meta_path.append(finder)
+    sys.meta_path.insert(0, finder)
     try:
         with (
+            mock.patch.object(import_module("rospy"), "__getattr__", _of_rospy, create=True),
             mock.patch.object(Composite, "add_child", added),
+            mock.patch.object(Decorator, "__init__", decorated),
             mock.patch.object(State, "__init__", begun),
             mock.patch.object(threading.Event, "wait", _waiting(threading.Event.wait)),
         ):
@@ -213,3 +250,100 @@ def dry_run(tell: Callable[[str], object]) -> Iterator[None]:
         smach_ros.use(None)
         if not installed:
             smach_compat.uninstall()
+
+
+class StoodIn(Behaviour):
+    """In the place of a behaviour whose class isn't here: it succeeds."""
+
+    def update(self) -> Status:
+        """Succeed."""
+        return Status.SUCCESS
+
+
+def _behaviour(given: Any) -> Any:
+    return StoodIn(given._stand_in_called or name_of(given)) if stands_in(given) else given
+
+
+def _of_rospy(name: str) -> Any:
+    """Stand in for what our rospy hasn't."""
+    if name.startswith("__"):
+        raise AttributeError(name)
+    return stand_in(f"rospy.{name}")
+
+
+class RosTree(BehaviourTree):
+    """In the place of the tree of py_trees_ros where that isn't installed."""
+
+    def __init__(self, root: Any, *given: object, **named: object):
+        super().__init__(_behaviour(root))
+        self.node = stand_in("node")
+
+    def setup(self, *given: Any, **named: Any) -> None:
+        """Set up with a node that stands in."""
+        super().setup(node=self.node)
+
+
+def _ros_trees(module: Any) -> None:
+    trees = module if module.__name__.endswith(".trees") else module.trees
+    trees.BehaviourTree = RosTree
+
+
+@contextmanager
+def dry_run_of_tree(tell: Callable[[str], object], file: Path | None) -> Iterator[None]:
+    """Do the same for a tree of py_trees whose code is in a file, and for what rclpy asks of others.
+
+    Services and actions answer whatever is wanted; a subscription or publisher of a type that isn't installed does
+    nothing; the share directory of a package is its folder in the file's workspace; without `dot` no tree is drawn.
+    """
+    packages = workspace_of(file.resolve()).packages if file is not None else {}
+    index, share = "ament_index_python.packages", "get_package_share_directory"
+    with ExitStack() as patched:
+
+        def replace(module: str, name: str, made: Callable[[Any], Any]) -> None:
+            with suppress(ImportError):
+                there: Any = import_module(module)
+                *owner, last = name.split(".")
+                there = getattr(there, owner[0]) if owner else there
+                patched.enter_context(mock.patch.object(there, last, made(getattr(there, last))))
+
+        def found(original: Any) -> Any:
+            def folder(package: Any, *given: Any, **named: Any) -> Any:
+                with suppress(Exception):
+                    return str(packages[package]) if package in packages else original(package, *given, **named)
+                return stand_in(f"the folder of {package}")
+
+            return folder
+
+        replace(index, share, found)
+        for name, what in (("subscription", "topic"), ("publisher", "topic"), ("service", "service"), ("client", "")):
+            told = partial(_told, tell, what or "service")
+            replace("rclpy.node", f"Node.create_{name}", partial(_of_known_type, told=told, always=not what))
+        for name in ("ActionClient", "ActionServer"):
+            replace("rclpy.action", name, partial(_action, told=partial(_told, tell, "action")))
+        if shutil.which("dot") is None:
+            replace("py_trees.display", "render_dot_tree", lambda original: lambda *given, **named: {})
+        trees = dict.fromkeys(("py_trees_ros", "py_trees_ros.trees"), _ros_trees)
+        with dry_run(tell, {index: lambda module: setattr(module, share, found(None)), **trees}):
+            yield
+
+
+def _of_known_type(original: Callable[..., Any], told: Callable[..., str], always: bool) -> Callable[..., Any]:
+    """Return what makes an end of ROS, but stands in for one whose type isn't known, or `always`."""
+
+    def made(*given: Any, **named: Any) -> Any:
+        unknown = any(stands_in(each) or isinstance(each, type(StandIn)) for each in (*given, *named.values()))
+        return stand_in(told(*given, **named)) if unknown or always else original(*given, **named)
+
+    return made
+
+
+def _action(original: type, told: Callable[..., str]) -> Any:
+    made: Any = stand_in_class(original.__name__)
+    made.__init__ = lambda self, *given, **named: told(*given, **named) and None
+    return made
+
+
+def _told(tell: Callable[[str], object], what: str, *given: Any, **named: Any) -> str:
+    called = next((each for each in (*given, *named.values()) if isinstance(each, str)), "?")
+    tell(f"{what} {called}")
+    return called

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import logging
 import re
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, ClassVar
 
 from py_trees.common import Status
 
 from grip_bt.nodes.smach_activation import RUNS_LOCK, AmongStates, KeysLeaf
-from grip_bt.nodes.stand_ins import StandInFinder, stand_in
+from grip_bt.nodes.stand_ins import are_wanted, stand_in
 from grip_bt.smach_compat._settings import settings
 
 from .smach_activation import Activation, Values
@@ -34,7 +33,7 @@ def task_name(label: str) -> str:
 
 def argument(name: str) -> Any:
     """Return what stands for an argument that nobody has given, where stand-ins are wanted."""
-    if any(isinstance(finder, StandInFinder) for finder in sys.meta_path):
+    if are_wanted():
         return stand_in(name)
     raise NotImplementedError(
         f"what builds the machine needs `{name}`: put it here in leaves.py in the place of argument({name!r}), import"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dis
 import operator
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import FunctionType, ModuleType
@@ -96,13 +96,15 @@ class _Kind(type):
 class StandIn(metaclass=_Kind):
     """Accepts every call, attribute and operation."""
 
-    _stand_in_name = ""
+    _stand_in_name = _stand_in_called = ""
     _stand_in_held: Any = UNKNOWN
     _stand_in_wanted = True
     _stand_in_answer: bool | None = None
 
     def __init__(self, *arguments: object, **named: object):
-        """Take anything."""
+        """Take anything; a text may be what it is called, as a node of a tree is."""
+        called = named.get("name", next((each for each in arguments if isinstance(each, str)), ""))
+        vars(self)["_stand_in_called"] = called if isinstance(called, str) else ""
 
     def __call__(self, *arguments: object, **named: object) -> Any:
         """Return a stand-in; as a decorator, what is decorated."""
@@ -187,6 +189,10 @@ class StandIn(metaclass=_Kind):
 
     def __exit__(self, *given: object) -> None:
         pass
+
+    def __await__(self) -> Generator[Any, None, Any]:
+        yield from ()
+        return self
 
     def _made(self, work: Callable[..., Any], *others: object) -> Any:
         return lifted(work, name_of(self), self, *others)
@@ -312,6 +318,11 @@ class StandInModule(ModuleType):
         return made
 
 
+def is_generated(name: str) -> bool:
+    """Tell whether a module is one that the build of a ROS package makes of its messages."""
+    return name.partition(".")[2].split(".")[0] in ("msg", "srv", "action", "cfg")
+
+
 def asked_by_a_library() -> bool:
     """Tell whether an installed library imports something, which it can do without."""
     frame = sys._getframe(1)
@@ -326,11 +337,14 @@ class StandInFinder(MetaPathFinder, Loader):
     Attributes:
         packages: their names, in the order of their imports.
         made: module -> what gives it names of its own.
+        parts: whether it stands in for what a package lacks that isn't installed but lies here, too.
     """
+
+    parts = False
 
     def __init__(self) -> None:
         self.packages: list[str] = []
-        self.made: dict[str, Callable[[ModuleType], None]] = {}
+        self.made: dict[str, Callable[[ModuleType], object]] = {}
 
     def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
         """Find every module that isn't part of Python or of an installed package.
@@ -339,8 +353,8 @@ class StandInFinder(MetaPathFinder, Loader):
         """
         package = fullname.split(".")[0]
         there = sys.modules.get(package)
-        generated = fullname.partition(".")[2].split(".")[0] in ("msg", "srv", "action", "cfg")
-        of_sources = generated and not any("-packages" in folder for folder in getattr(there, "__path__", ()))
+        installed = any("-packages" in folder for folder in getattr(there, "__path__", ()))
+        of_sources = (self.parts or is_generated(fullname)) and not installed
         real = there is not None and not isinstance(there, StandInModule) and not of_sources
         if package in sys.stdlib_module_names or real or asked_by_a_library():
             return None
@@ -356,3 +370,8 @@ class StandInFinder(MetaPathFinder, Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         """Do nothing: names are made when somebody asks for them."""
+
+
+def are_wanted() -> bool:
+    """Tell whether this process has stand-ins for what is missing now."""
+    return any(isinstance(finder, StandInFinder) for finder in sys.meta_path)

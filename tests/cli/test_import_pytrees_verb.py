@@ -76,7 +76,7 @@ def test_a_tree_that_is_there_is_taken_too_and_foreign_files_are_kept(grip, tmp_
     ("where", "said"),
     [
         ("mine:leaves", "mine: SystemExit: 3"),
-        ("mine:nothing", "mine has no 'nothing' (functions: build, leaves)"),
+        ("mine:nothing", "mine has no 'nothing' (there are: build, leaves)"),
         ("nowhere:build", "No module named 'nowhere'"),
         ("mine:XML:a", "names no tree: write module:function"),
         ("mine:py_trees.common.Status.SUCCESS", "makes no tree of py_trees but a Status"),

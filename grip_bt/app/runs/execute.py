@@ -29,7 +29,7 @@ from grip_bt.base.issue import Issue, Report
 from grip_bt.compilers import CompiledMachine, CompiledTree, to_machine, to_tree
 from grip_bt.formats.pytrees.adopted import AdoptedTree
 from grip_bt.nodes import tree_code
-from grip_bt.nodes.dry_run import dry_run
+from grip_bt.nodes.dry_run import dry_run, dry_run_of_tree
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
@@ -37,7 +37,7 @@ from grip_bt.runtime.journal_rows import Pruned, prune, size_of
 from grip_bt.task import Document, Task, Variable, dumps, read, read_text
 from grip_bt.task.model import Leaf, type_of, walk
 from grip_bt.task.validation import validate
-from grip_bt.task.validation.parts import DRAWN
+from grip_bt.task.validation.parts import DRAWN, STOOD_IN
 from grip_sim.faults import Fault
 
 _log = logging.getLogger(__name__)
@@ -165,12 +165,13 @@ def _compiled(
     return project, document, report, compile_task(task, catalog, data=options.data, leaf_factory=factory)
 
 
-def _tree_of(path: str | Path) -> str:
-    """Return the code that makes the tree which a path means, itself or by its drawing; empty where it is a task."""
+def _tree_of(path: str | Path) -> tuple[str, bool]:
+    """Return the code of the tree that a path or its drawing means, if any, and whether that needs stand-ins."""
     if tree_code.is_tree_code(str(path)):
-        return str(path)
+        return str(path), False
     text = Path(path).read_text(encoding="utf-8", errors="replace") if Path(path).is_file() else ""
-    return str(read(Path(path)).task.x.get(DRAWN, "")) if f"\n{DRAWN}:" in text else ""
+    said = read(Path(path)).task.x if f"\n{DRAWN}:" in text else {}
+    return str(said.get(DRAWN, "")), bool(said.get(STOOD_IN))
 
 
 def _adopted(
@@ -195,14 +196,11 @@ def _adopted(
             progress("ros", "the tree gets the node /grip_tree")
         return nodes[0].node
 
-    there = "rclpy" in sys.modules
     if options.stand_ins:
-        stack.enter_context(dry_run(partial(progress, "stand-in")))
+        stack.enter_context(dry_run_of_tree(partial(progress, "stand-in"), place.file))
+    there = "rclpy" in sys.modules
     found = tree_code.find_tree(place, node)
-    modules = {type(each).__module__ for each in found.tree.root.iterate()}
-    of_ros = not there and "rclpy" in sys.modules
-    if there:  # by somebody else: what the behaviours' own code imports tells
-        of_ros = any("rclpy" in vars(sys.modules.get(m, object)) or m.startswith("py_trees_ros") for m in modules)
+    of_ros = tree_code.is_of_ros(found.tree.root) if there else "rclpy" in sys.modules
     setup = {"node": node()} if of_ros and not found.ready else {}
     tree = AdoptedTree(found, where, options.ticks, setup, nodes[0] if nodes else None)
     text = f"# What {where} builds; that is what runs.\n{dumps(tree.task)}"
@@ -230,7 +228,9 @@ def open_session(
     """
     with ExitStack() as code:
         compiled: CompiledTree | CompiledMachine
-        if not isinstance(path, Task) and (where := _tree_of(path)):
+        where, stood_in = _tree_of(path) if not isinstance(path, Task) else ("", False)
+        if where and not isinstance(path, Task):
+            options = replace(options, stand_ins=options.stand_ins or stood_in)
             project, document, compiled = tree = _adopted(path, where, options, progress, code)
             options, report = replace(options, rate=options.rate or tree[2].rate), Report(())
         else:

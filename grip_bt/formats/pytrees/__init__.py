@@ -6,6 +6,9 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
@@ -14,9 +17,10 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.tree import read_file
-from grip_bt.formats.imported import Imported, ImportRefusedError, Request
+from grip_bt.formats.imported import Imported, ImportRefusedError, Issues, Request
 from grip_bt.formats.pytrees.tree import drawn, to_task
 from grip_bt.formats.pytrees.xml import from_xml, to_xml
+from grip_bt.nodes.dry_run import dry_run_of_tree
 from grip_bt.nodes.tree_code import find_tree, is_tree_code, place_of
 from grip_bt.task import Task
 
@@ -36,11 +40,13 @@ def read(request: Request) -> Imported:
     if is_tree_code(where):
         if not request.execute:
             raise GripError(f"{where}: this runs the code that builds the tree; if you trust it, say so with --execute")
-        return import_from_code(where, Path.cwd())
+        return import_from_code(where, Path.cwd(), stand_ins=request.stand_ins)
     return from_xml(read_file(request.path), request.catalog(), where, request.path.parent)
 
 
-def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT, *, as_it_is: bool = False) -> Imported:
+def import_from_code(
+    where: str, folder: Path, timeout: float = TIMEOUT, *, as_it_is: bool = False, stand_ins: bool = False
+) -> Imported:
     """Run somebody's code in a process of its own and return the task of the tree that it makes.
 
     Args:
@@ -48,12 +54,14 @@ def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT, *, as_i
         folder: where modules are looked for last, such as the current folder.
         timeout: how long [s] the code may take.
         as_it_is: for a drawing of the tree, node by node.
+        stand_ins: whether packages that are missing are stood in for.
 
     Raises:
         ImportRefusedError: behaviours of the tree have no equivalent in a task.
         GripError: the code can't be imported, fails, takes too long, or gives something else than a tree.
     """
-    command = python_command("-c", f"from {__name__} import _tell; _tell()", where, *(["as_it_is"] if as_it_is else []))
+    how = [word for word, said in (("as_it_is", as_it_is), ("stand_ins", stand_ins)) if said]
+    command = python_command("-c", f"from {__name__} import _tell; _tell()", where, *how)
     paths = os.pathsep.join([*filter(None, sys.path), str(folder.resolve())])
     files = TemporaryFile("w+", errors="replace"), TemporaryFile("w+", errors="replace")
     with files[0] as output, files[1] as words:  # no pipes, which what the code has started may keep open
@@ -84,19 +92,22 @@ def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT, *, as_i
     return Imported({task.name: task}, tuple(Issue(**issue) for issue in told["issues"]))
 
 
-def told(where: str, as_it_is: bool = False) -> dict[str, Any]:
+def told(where: str, *how: str) -> dict[str, Any]:
     """Return what the tree that code makes is, as the process that runs the code tells it in JSON."""
+    missing = Issues()
     try:
         place = place_of(where)
-        root = find_tree(place).tree.root
-        if as_it_is:
-            return {"task": _plain(drawn(root, where)[0]), "issues": []}
-        made: Imported = to_task(root, built_by="" if place.arguments else f"{place.import_name}:{place.name}")
+        say: Callable[[str], object] = partial(missing.add, "stood-in", "/")
+        with dry_run_of_tree(say, place.file) if "stand_ins" in how else nullcontext():
+            root = find_tree(place).tree.root
+            if "as_it_is" in how:
+                return {"task": _plain(drawn(root, where)[0]), "issues": []}
+            made = to_task(root, built_by="" if place.arguments else f"{place.import_name}:{place.name}")
     except ImportRefusedError as error:
         return {"refused": [issue.as_dict() for issue in error.issues]}
     except GripError as error:
         return {"error": str(error)}
-    return {"task": _plain(made.task), "issues": [issue.as_dict() for issue in made.issues]}
+    return {"task": _plain(made.task), "issues": [issue.as_dict() for issue in (*missing, *made.issues)]}
 
 
 def _plain(task: Task) -> dict[str, Any]:
@@ -106,7 +117,7 @@ def _plain(task: Task) -> dict[str, Any]:
 def _tell() -> None:
     """Tell what somebody's code builds, and end; what the code itself prints goes to stderr."""
     stdout, sys.stdout = sys.stdout, sys.stderr
-    answer = json.dumps(told(sys.argv[1], bool(sys.argv[2:])))
+    answer = json.dumps(told(*sys.argv[1:]))
     sys.stderr.flush()
     stdout.write(answer + "\n")
     stdout.flush()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import logging
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
@@ -23,6 +24,8 @@ from grip_bt.task.catalog import Catalog
 
 from .keys import Keys
 from .tree import drawn
+
+_log = logging.getLogger(__name__)
 
 
 class AdoptedTree(CompiledTree):
@@ -80,7 +83,10 @@ class AdoptedTree(CompiledTree):
         """Shut the tree down, and have it as it was."""
         for each in self._watched:
             each.leave()
-        self._found.tree.shutdown()
+        try:
+            self._found.tree.shutdown()
+        except Exception:  # noqa: BLE001 - the run has ended, with a result that this must not replace
+            _log.exception("shutdown of the tree")
 
     def execute(self, pacer: Pacer, tick: Callable[[], object] | None = None) -> TaskEnd:
         """Tick until the root has ended, or as often as was said; `tick` does one, the tree's own by default."""

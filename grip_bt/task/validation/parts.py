@@ -256,7 +256,7 @@ def _messages(analysis: TaskAnalysis, what: str) -> Iterator[tuple[PlacedNode, s
                 yield placed, store, name
 
 
-DRAWN = "x-tree"
+DRAWN, STOOD_IN = "x-tree", "x-stand-ins"
 """In a task: where the tree comes from that it draws; because of the drawing nothing is imported."""
 
 

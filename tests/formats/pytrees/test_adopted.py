@@ -19,11 +19,14 @@ from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError, NodeError
+from grip_bt.cli.project import drawing_of
 from grip_bt.compilers import Rushing
+from grip_bt.formats.pytrees import import_from_code
 from grip_bt.formats.pytrees.adopted import AdoptedTree
 from grip_bt.formats.pytrees.tree import drawn
+from grip_bt.nodes.dry_run import StoodIn, dry_run_of_tree
 from grip_bt.nodes.node import Observer
-from grip_bt.nodes.tree_code import FoundTree, find_tree, place_of
+from grip_bt.nodes.tree_code import FoundTree, find_tree, is_tree_code, place_of
 from grip_bt.runtime import JournalReader
 from grip_bt.task import dumps, walk
 from grip_bt.task.validation import validate
@@ -236,27 +239,214 @@ def test_a_drawing_runs_the_tree_that_its_project_lists(code: Path) -> None:
     assert {event.path for event in events if event.event == "exit"} <= {path for path, _ in walk(task.root)}
 
 
+METHODS = """\
+import argparse
+import asyncio
+from py_trees import behaviours, composites, trees
+
+
+class Task:
+    def __init__(self, speed, robot=None):
+        self.speed, self.robot = speed, robot
+
+    def make(self, times):
+        return composites.Sequence(f"{self.speed} {times}", True, [behaviours.Success("go")])
+
+
+async def later(robot):
+    await asyncio.sleep(0)
+    return behaviours.Success(f"{robot}")
+
+
+class Away(behaviours.Success):
+    def shutdown(self):
+        raise RuntimeError("is gone")
+
+
+def away():
+    return Away("away")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--level", type=int, required=True)
+    trees.BehaviourTree(behaviours.Success(f"level {parser.parse_args().level}")).tick()
+
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+@pytest.fixture
+def methods(code: Path) -> Path:
+    file = code.parent / "methods.py"
+    file.write_text(METHODS)
+    yield file
+    sys.modules.pop("methods", None)
+
+
+def test_a_method_is_one_of_an_object_that_is_made_for_it(methods: Path) -> None:
+    assert find_tree(place_of(f"{methods}:Task.make(times=3, speed='slow')")).tree.root.name == "slow 3"
+    with pytest.raises(GripError, match=r"takes 'speed': give it as a literal, .*or use --stand-ins"):
+        find_tree(place_of(f"{methods}:Task.make(times=3)"))
+    with pytest.raises(GripError, match=r"makes no tree of py_trees but a Task \(there are: Task.make\)"):
+        find_tree(place_of(f"{methods}:Task(speed=1)"))
+
+
+def test_a_program_gets_its_command_line(methods: Path) -> None:
+    for where in (f"{methods} --level 3", f"{methods}:main --level 3"):
+        assert is_tree_code(where)
+        assert find_tree(place_of(where)).tree.root.name == "level 3"
+    with pytest.raises(GripError, match=r"SystemExit: 2; what its command line needs goes behind it"):
+        find_tree(place_of(str(methods)))
+
+
+THREADED = """\
+import time
+from concurrent.futures import ThreadPoolExecutor
+from py_trees import behaviours, trees
+
+
+class Older(behaviours.Success):
+    def setup(self, timeout):
+        self.timeout = timeout
+
+
+tree = trees.BehaviourTree(Older("older"))
+tree.setup(timeout=3.0)
+ThreadPoolExecutor().submit(tree.tick)
+while True:
+    time.sleep(0.001)
+"""
+
+
+def test_a_program_is_left_by_the_first_tick_of_any_thread(code: Path) -> None:
+    code.write_text(THREADED)
+    found = find_tree(place_of(str(code)))
+    assert (found.ready, found.tree.root.timeout > 0, found.tree.count) == (True, True, 0)
+
+
+def test_stand_ins_are_given_for_arguments_that_nobody_gave(methods: Path) -> None:
+    with dry_run_of_tree(lambda what: None, methods):
+        assert find_tree(place_of(f"{methods}:later")).tree.root.name == "<robot>"
+        assert find_tree(place_of(f"{methods}:Task.make(times=2)")).tree.root.name == "<speed> 2"
+
+
+def test_what_a_tree_raises_in_the_end_leaves_the_result(methods: Path) -> None:
+    result, _ = ran(f"{methods}:away")
+    assert (result.status, result.outcome) == ("success", "success")
+
+
 OLDER = """\
 import arm_driver
-from py_trees import behaviours, composites
+import launch
+from helpers.legs import Step
+from our_msgs.msg import Speed
+from py_trees import behaviours, composites, decorators
+from sibling.walking import Walk
 from py_trees.common import ParallelPolicy
+
+
+def bring_up() -> launch.LaunchDescription:
+    return launch.LaunchDescription([])
 
 
 def create_root():
     both = composites.Parallel("both", policy=ParallelPolicy.SUCCESS_ON_ONE)
     both.add_children([behaviours.Running("run"), composites.Selector(children=[arm_driver.Lift("up")])])
     first = composites.Sequence("first")
-    first.add_children([behaviours.Success("look"), both])
+    held = decorators.Inverter(decorators.Inverter(arm_driver.Hold("hold")))
+    first.add_children([behaviours.Success("look"), held, Walk(Step, Speed()), both])
     return first
+"""
+SIBLING = """\
+from py_trees.behaviours import Success
+
+
+class Walk(Success):
+    def __init__(self, step, speed):
+        super().__init__("walk")
 """
 
 
-def test_a_tree_for_an_older_py_trees_runs_and_what_is_not_installed_is_stood_in_for(tmp_path):
-    (tmp_path / "older.py").write_text(OLDER)
+@pytest.fixture
+def older(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A workspace with a package that isn't installed, one of messages that isn't built, and one that lacks a part."""
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    before = {*sys.modules}
+    files = {
+        **{
+            f"{name}/package.xml": f"<package><name>{name}</name></package>"
+            for name in ("walks", "sibling", "our_msgs")
+        },
+        "walks/older.py": OLDER,
+        "walks/launch/walk_launch.py": "",
+        "sibling/sibling/__init__.py": "",
+        "sibling/sibling/walking.py": SIBLING,
+        "our_msgs/msg/Speed.msg": "float32 speed",
+        "walks/helpers/__init__.py": "",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    yield tmp_path / "walks" / "older.py"
+    for name in {*sys.modules} - before:
+        del sys.modules[name]
+
+
+def test_a_tree_for_an_older_py_trees_runs_and_what_is_not_installed_is_stood_in_for(older: Path) -> None:
+    with pytest.raises(GripError, match=r"No module named 'arm_driver', .* stand in for it with --stand-ins"):
+        find_tree(place_of(f"{older}:create_root"))
     told = []
-    options = RunOptions(journal=tmp_path / "runs.sqlite", ticks=1, stand_ins=True)
-    with open_session(f"{tmp_path}/older.py:create_root", options, lambda *words: told.append(words)) as session:
+    options = RunOptions(journal=older.parent / "runs.sqlite", ticks=1, stand_ins=True)
+    with open_session(f"{older}:create_root", options, lambda *words: told.append(words)) as session:
         tree: Any = session.runner.compiled
         memory = [each.memory for each in tree.root.iterate() if hasattr(each, "memory")]
         assert (session.runner.run().outcome, memory) == ("success", [False, True])
-    assert ("stand-in", "package arm_driver") in told
+        names = {each.name: type(each) for each in tree.root.iterate()}
+        assert names["up"] is names["hold"] is StoodIn
+        assert names["walk"].__module__ == "sibling.walking"
+    missing = {words for part, words in told if part == "stand-in"}
+    assert missing == {f"package {name}" for name in ("arm_driver", "launch", "helpers", "our_msgs")}
+
+
+def test_an_import_and_a_drawing_have_stand_ins_and_name_them(older: Path, capfd: Any, monkeypatch: Any) -> None:
+    monkeypatch.chdir(older.parent)
+    made = import_from_code("older.py:create_root", older.parent, stand_ins=True)
+    assert [issue.message for issue in made.issues if issue.code == "stood-in"][:1] == ["package arm_driver"]
+    kept = {path for path, node in walk(made.task.root) if getattr(node, "kind", "") == "foreign"}
+    assert kept == {"Inverter/Inverter/hold", "both/Selector/up"}
+    file = drawing_of("older.py:create_root", stand_ins=True)
+    with open_session(file, RunOptions(robot="fake", ticks=1)) as session:
+        assert session.runner.run().outcome == "success"
+
+
+ROS = """\
+import py_trees_ros.trees
+from py_trees.behaviours import Success
+
+
+class Ready(Success):
+    def setup(self, **given):
+        self.node = given["node"]
+
+
+def main():
+    tree = py_trees_ros.trees.BehaviourTree(root=Ready("ready"), unicode_tree_debug=True)
+    tree.setup(timeout=15.0, node_name="robot")
+    tree.tick_tock(period_ms=500)
+    tree.node.spin()
+
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def test_the_tree_of_py_trees_ros_is_stood_in_for_by_one_that_ticks(older: Path) -> None:
+    file = older.parent / "robot.py"
+    file.write_text(ROS)
+    with dry_run_of_tree(lambda what: None, file):
+        found = find_tree(place_of(str(file)))
+    assert (found.ready, found.period, found.tree.root.node is found.tree.node) == (True, 0.5, True)
