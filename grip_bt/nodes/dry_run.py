@@ -274,7 +274,7 @@ def _of_rospy(name: str) -> Any:
 class RosTree(BehaviourTree):
     """In the place of the tree of py_trees_ros where that isn't installed."""
 
-    def __init__(self, root: Any, *given: object, **named: object):
+    def __init__(self, root: Behaviour, *given: object, **named: object):
         super().__init__(_behaviour(root))
         self.node = stand_in("node")
 
