@@ -60,10 +60,12 @@ def judge(world: World) -> tuple[ObjectTruth, ...]:
 
 
 def _verdict(world: World, spec: ObjectSpec, contacts: Iterable[Contact]) -> ObjectTruth:
-    hand_force = borne = 0.0
+    robot, hand_force, borne = world.robot, 0.0, 0.0
+    frames = robot.description.grasp_frame, *robot.description.grasp_frames.values()
+    hand = robot.hand_links.union(frame.link for frame in frames)  # a palm isn't moved by the joints of its hand
     for contact in contacts:
         other = contact.second if contact.first == spec.name else contact.first
-        if other in world.robot.hand_links:
+        if other in hand:
             hand_force += contact.force
         else:
             borne += max(0.0, contact.push_on(spec.name)[2])

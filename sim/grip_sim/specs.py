@@ -20,6 +20,7 @@ from grip_bt.base.values.pose import quaternion_of
 from grip_bt.base.yaml.models import Finite, NotNegative, Positive
 from grip_sim.articulated.model import ArticulatedConfig, Size, Vector
 from grip_sim.faults import Fault
+from grip_sim.liquids import VesselConfig
 from grip_sim.noise import Noise
 from grip_sim.shaking import MEASURE, ShakeConfig
 
@@ -27,6 +28,8 @@ Shade = Annotated[int, Field(ge=0, le=255)]
 Colour = tuple[Shade, Shade, Shade]
 
 
+VOLUME, SPILLED = "{}_volume", "spilled"
+"""What the referee calls the volume in a vessel, and what is in none any more [ml]."""
 GRAVITY = 9.81
 """[m/s^2]"""
 Boxes: TypeAlias = "tuple[BoxSpec, ...]"
@@ -114,6 +117,7 @@ class ObjectSpec:
         friction: coefficient against hands and everything that never moves. Between two objects theirs are added.
         tilt: roll and pitch [rad].
         scale: factor of a model's lengths.
+        vessel: its inside, where liquids may be in it.
     """
 
     name: str
@@ -128,6 +132,7 @@ class ObjectSpec:
     tilt: tuple[Finite, Finite] = (0.0, 0.0)
     model: str = ""
     scale: Positive = 1.0
+    vessel: VesselConfig | None = None
 
     @property
     def pose(self) -> Pose:
@@ -230,7 +235,7 @@ class WorldSpec:
         jerks: joint -> limit with which it is braked [rad/s^3 or m/s^3]; any for a motion of none of these.
         judge: name -> condition over what the referee finds, see `grip_sim.referee`.
         faults: name -> what goes wrong on purpose.
-        articulated: name -> a drawer, a button, a bottle with a screw cap. A drawer's cabinet is among the boxes.
+        articulated: name -> a drawer, a button, a bottle with a screw cap, or a pipette; a cabinet is among the boxes.
         shake: what objects have to stay in the hand through; None where nobody asks.
     """
 
@@ -252,9 +257,10 @@ class WorldSpec:
 
     @property
     def measures(self) -> tuple[str, ...]:
-        """Names of the numbers that the referee has besides those of objects: of what has joints, and of a shake."""
-        own = (measure for name, said in self.articulated.items() for measure in said.measures(name))
-        return (*own, *([MEASURE] if self.shake else ()))
+        """Names of the numbers that the referee has of what has joints, of liquids [ml], and of a shake."""
+        own = [measure for name, said in self.articulated.items() for measure in said.measures(name)]
+        volumes = [VOLUME.format(each.name) for each in self.objects if each.vessel]
+        return (*own, *volumes, *([SPILLED] if volumes else ()), *([MEASURE] if self.shake else ()))
 
     def to_json(self) -> object:
         """Return the spec as JSON data."""

@@ -24,11 +24,12 @@ from grip_sim.cameras.looks import Target, visuals_of
 from grip_sim.cameras.mesh_files import Look
 from grip_sim.cameras.rig import Rig
 from grip_sim.faults import Fault, Faults, check_faults
+from grip_sim.liquids import Liquids
 from grip_sim.objects import load_object
 from grip_sim.physics import FIXED, SLIPPERY, SOLID, add_model, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
 from grip_sim.shaking import MEASURE, Shaking
-from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, WorldSpec
+from grip_sim.specs import SPILLED, VOLUME, BoxSpec, MeshSpec, ObjectSpec, WorldSpec
 from grip_sim.touch import Slipping, wrist_wrench
 
 
@@ -81,9 +82,10 @@ class World:
         check_names(spec, (link.name for link in self.robot.links))
         hands = self.robot.description.hands.items()
         self._fingers = {hand: {link for link in self.robot.links if link.name in names} for hand, names in hands}
+        self._liquids = Liquids(self._underside, self._uprightness)
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self.articulated = {
-            name: make_articulated(self._scene, name, said, lambda link, body: self.cameras.replaced(link, body))
+            name: make_articulated(self._scene, name, said, self._replaced, self._liquids)
             for name, said in spec.articulated.items()
         }
         mechanisms = self.articulated.values()
@@ -110,6 +112,7 @@ class World:
         self.robot.compensate()
         for each in self.articulated.values():
             each.before_step()
+        self._liquids.settle()
         self._scene.step()
         self.steps += 1
         self._moved.clear()
@@ -147,6 +150,7 @@ class World:
         self._object(name).entity.remove_from_scene()
         self.faults.forget(name)
         del self._objects[name]
+        self._liquids.remove(name)
         self.spec = replace(self.spec, objects=tuple(each for each in self.spec.objects if each.name != name))
         self.cameras.show([each for each in self.cameras.targets if each.name != name])
 
@@ -232,10 +236,12 @@ class World:
                 yield link, body, contact
 
     def measures(self) -> dict[str, float]:
-        """Return the numbers that the referee has of articulated objects, such as `cabinet_opened`, and of a shake."""
+        """Return the numbers that the referee has besides those of objects; see `WorldSpec.measures`."""
+        volumes = {VOLUME.format(name): volume for name, volume in self._liquids.volumes.items()}
+        liquids = {**volumes, SPILLED: self._liquids.spilled} if volumes else {}
         shaken = {} if self._shaking is None else {MEASURE: float(self._shaking.count)}
         own = {f"{name}_{key}": n for name, each in self.articulated.items() for key, n in each.measures().items()}
-        return own | shaken
+        return own | liquids | shaken
 
     def look(self, camera: str) -> Frame:
         """Take a frame with a camera. Raises UnknownNameError where there is no such camera."""
@@ -246,7 +252,8 @@ class World:
         bodies = list(self._objects.values())
         states = np.array([moving(body) for body in bodies]).reshape(-1, 13)
         articulated = {f"articulated.{name}": each.kept() for name, each in self.articulated.items()}
-        return {**self.robot.kept(), "poses": states[:, :7], "object_speeds": states[:, 7:], **articulated}
+        loose = {"poses": states[:, :7], "object_speeds": states[:, 7:], "liquids": self._liquids.kept()}
+        return {**self.robot.kept(), **loose, **articulated}
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring everything that moves to where it was kept; what physics remembers of contacts builds up again.
@@ -257,8 +264,10 @@ class World:
         if len(poses) != len(self._objects):
             raise ValueError(f"the state is of another world: this one has {len(self._objects)} objects")
         states = {name: kept[f"articulated.{name}"] for name in self.articulated}
+        volumes = kept["liquids"]
         self.robot.put_back(kept)
         self._shaking = self._watch()
+        self._liquids.put_back(volumes)
         for name, state in states.items():
             self.articulated[name].put_back(state)
         for body, pose, speed in zip(self._objects.values(), poses, speeds, strict=True):
@@ -276,6 +285,9 @@ class World:
         for each in self.articulated.values():
             digest.update(np.asarray(each.kept(), dtype=np.float32).tobytes())
         return digest.hexdigest()
+
+    def _replaced(self, link: physx.PhysxRigidBodyComponent, body: physx.PhysxRigidBodyComponent) -> None:
+        self.cameras.replaced(link, body)
 
     def _watch(self) -> Shaking | None:
         return None if self.spec.shake is None else Shaking(self.spec.shake, self._in_hand)
@@ -300,7 +312,18 @@ class World:
         body = builder.build(name=spec.name).find_component_by_type(physx.PhysxRigidStaticComponent)
         return Target(body, spec.name, spec.colour)
 
+    def _underside(self, name: str) -> Pose:
+        """Return the pose of the middle of an object's underside in world."""
+        height = next(spec.height for spec in self.spec.objects if spec.name == name)
+        return self.object_pose(name) @ Pose((0.0, 0.0, -height / 2))
+
+    def _uprightness(self, name: str) -> float:
+        _, x, y, _ = self._objects[name].entity_pose.q
+        return 1 - 2 * float(x * x + y * y)
+
     def _add_object(self, spec: ObjectSpec) -> physx.PhysxRigidDynamicComponent:
+        if spec.vessel is not None:
+            self._liquids.add(spec.name, spec.vessel)
         if spec.shape == "model":
             return add_model(self._scene, spec, load_object(Path(spec.model)))
         builder = self._scene.create_actor_builder()

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from sim_bench import ABOVE, ASIDE, AT, SPOT
 
 from grip_bt.base.values import Pose
-from grip_sim.referee import ObjectTruth
+from grip_bt.commanders.description.load import load_robot
+from grip_sim.referee import ObjectTruth, judge
+from grip_sim.specs import ObjectSpec, WorldSpec
 
 pytestmark = pytest.mark.sim
 LYING = [np.sqrt(0.5), 0, np.sqrt(0.5), 0]
+
+
+Contact = pytest.importorskip("grip_sim.world").Contact
 
 
 def put(bench, pose, settle=0.6):
@@ -112,3 +119,21 @@ def test_a_verdict_survives_the_way_through_json():
     again = ObjectTruth.from_json(truth.to_json())
     assert (again.name, again.status, again.hand_force) == ("a", "held", 2.5)
     assert again.pose == truth.pose
+
+
+def test_a_palm_is_of_the_hand_though_no_joint_of_the_hand_moves_it():
+    """As the Shadow hand's is: what it bears is held, what somebody else bears isn't."""
+    spec = WorldSpec(objects=(ObjectSpec("thing", "cylinder", 0.03, 0.1, (0.0, 0.0, 0.5)),))
+    robot = load_robot("shadow_right")
+    assert robot.grasp_frame.link not in robot.hand_links
+    for bearer, status in (("rh_palm", "held"), ("rh_forearm", "elsewhere")):
+        touched = [Contact("thing", bearer, (0.0, 0.0, 2.0)), Contact("rh_ffdistal", "thing", (1.0, 0.0, 0.0))]
+        world = SimpleNamespace(
+            spec=spec,
+            contacts=lambda touched=touched: touched,
+            robot=SimpleNamespace(hand_links=frozenset(robot.hand_links), description=robot),
+            object_pose=lambda name: spec.objects[0].pose,
+            object_speeds=lambda name: (0.0, 0.0),
+        )
+        (truth,) = judge(world)
+        assert truth.status == status

@@ -14,25 +14,30 @@ import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.values import Pose
+from grip_sim.liquids import Liquids
 from grip_sim.physics import FIXED, LinkBuilder, ignore_each_other, movable, physx, sapien
 from grip_sim.specs import Colour, upright
 
-from .model import WALL, ArticulatedConfig, ButtonConfig, DrawerConfig, ScrewBottleConfig
+from .model import WALL, ArticulatedConfig, ButtonConfig, DrawerConfig, PipetteConfig, ScrewBottleConfig
 
 ALONG_Z = sapien.Pose(q=[np.sqrt(0.5), 0, -np.sqrt(0.5), 0])
 """Turns x, along which joints and cylinders lie, to z."""
 UPWARDS = ALONG_Z
 BACKWARDS = sapien.Pose(q=[0, 0, 0, 1])
 """Turns x to -x."""
+DOWNWARDS = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 GRIP = 1.0
 """Coefficient of friction of what is grasped: bars and caps."""
 OWN, STIFF, DAMPED = 11, 1e6, 2e3
 """Bit of links that pass through one another; drive of a thread [N/m, N s/m], of which 1 kg of armature is a part."""
 KEY_ARMATURE = 0.1
-"""A key's inertia [kg]: with less, a step would carry it past the click."""
+"""A key's and a plunger's inertia [kg]: with less, a step would carry a key past the click, and springs be too weak."""
 GAP, BAR_AT, BAR_LENGTH = 0.002, 0.045, 0.1
 """Of a drawer: around it; of the middle of its bar from its front; of the bar [m]."""
+COLLAR = 0.01
+"""How far a pipette's collar reaches beyond its handle [m]."""
 FRONT, METAL, RED, GLASS, BLUE = (186, 146, 100), (120, 122, 128), (196, 44, 40), (150, 190, 200), (40, 90, 180)
+WHITE = (235, 235, 238)
 
 
 class Articulated:
@@ -89,13 +94,17 @@ Replaced = Callable[[physx.PhysxRigidBodyComponent, physx.PhysxRigidBodyComponen
 """Told of a link whose place another body takes."""
 
 
-def make_articulated(scene: sapien.Scene, name: str, said: ArticulatedConfig, replaced: Replaced) -> Articulated:
+def make_articulated(
+    scene: sapien.Scene, name: str, said: ArticulatedConfig, replaced: Replaced, liquids: Liquids
+) -> Articulated:
     """Put an articulated object into a scene."""
     pose = upright(said.at, said.yaw)
     if said.drawer is not None:
         return _Drawer(scene, name, said.drawer, pose)
     if said.button is not None:
         return _Button(scene, name, said.button, pose)
+    if said.pipette is not None:
+        return _Pipette(scene, name, said.pipette, pose, liquids)
     assert said.screw_bottle is not None, "the file was checked"
     return _ScrewBottle(scene, name, said.screw_bottle, pose, replaced)
 
@@ -133,6 +142,11 @@ def _build(
         link.set_angular_damping(0.0)
     ignore_each_other([shape for link in body.links for shape in link.collision_shapes], OWN)
     return body
+
+
+def _calm(stiffness: float) -> float:
+    """Return the damping with which a key or a plunger comes back without swinging [N s/m]."""
+    return 2 * float(np.sqrt(stiffness * KEY_ARMATURE))
 
 
 def _light(mass: float) -> Shape:
@@ -191,16 +205,15 @@ class _Button(Articulated):
             link.add_cylinder_collision(middle, r, t / 2 + 0.0035, movable(GRIP))
             link.set_mass_and_inertia(0.01, sapien.Pose([0, 0, 0.025]), [1e-6] * 3)
 
-        down = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
         links = {
             f"{name}_base": ("", (0.0, 0.0), sapien.Pose(), base),
-            f"{name}_key": ("prismatic", (0.0, t), down, key),
+            f"{name}_key": ("prismatic", (0.0, t), DOWNWARDS, key),
         }
         self.body = _build(scene, pose, links, True)
         self.links = {self.body.links[0]: METAL, self.body.links[1]: RED}
         (self._joint,) = self.body.active_joints
         self._joint.set_armature(np.array([KEY_ARMATURE], np.float32))
-        self._damping = 2 * float(np.sqrt(0.85 * said.force / (0.4 * t) * KEY_ARMATURE))
+        self._damping = _calm(0.85 * said.force / (0.4 * t))
 
     def before_step(self) -> None:
         """Press back: rising parts are an implicit spring, the falling one is a force, since no spring is unstable."""
@@ -313,3 +326,64 @@ class _ScrewBottle(Articulated):
             self._let_go()
         if self._free is not None:
             set_moving(self._free, extra)
+
+
+class _Pipette(Articulated):
+    """A handle with a shaft below, a collar that lies on a finger, and a plunger that a spring presses up."""
+
+    def __init__(self, scene: sapien.Scene, name: str, said: PipetteConfig, pose: Pose, liquids: Liquids):
+        self._said, self._liquids = said, liquids
+        self._pressed = self._holds = self._air = 0.0
+        collar, r = said.shaft + said.handle, said.radius
+        top, narrow = collar + said.neck, said.shaft / 3
+
+        def body(link: LinkBuilder) -> None:
+            for radius, low, high, part in (
+                (0.003, 0.0, narrow, 0.05),
+                (0.006, narrow, said.shaft, 0.15),
+                (r, said.shaft, collar, 0.7),
+                (r + COLLAR, collar - 0.006, collar, 0.05),
+                (0.6 * r, collar, top, 0.05),
+            ):
+                _add_cylinder(link, radius, high - low, part * said.mass, (low + high) / 2)
+
+        def plunger(link: LinkBuilder) -> None:
+            _add_cylinder(link, 0.7 * r, 0.006, 0.004, top + said.travel + 0.003)
+            _add_cylinder(link, 0.004, said.travel, 0.002, top + said.travel / 2)
+
+        links = {
+            name: ("", (0.0, 0.0), sapien.Pose(), body),
+            f"{name}_plunger": ("prismatic", (0.0, said.travel), DOWNWARDS, plunger),
+        }
+        self.body = _build(scene, pose, links, False)
+        self.links = {self.body.links[0]: WHITE, self.body.links[1]: BLUE}
+        stiffness = 0.6 * said.force / said.travel
+        (joint,) = self.body.active_joints
+        joint.set_armature(np.array([KEY_ARMATURE], np.float32))
+        joint.set_drive_properties(stiffness, _calm(stiffness), force_limit=100.0, mode="force")
+        joint.set_drive_target(-0.4 * said.force / stiffness)
+
+    def before_step(self) -> None:
+        """Draw or release what the plunger's way since the last step makes room for, or takes the room of."""
+        pressed = min(max(float(self.body.get_qpos()[0]) / self._said.travel, 0.0), 1.0)
+        volume, self._pressed = (pressed - self._pressed) * self._said.volume, pressed
+        tip = np.array(self.body.links[0].entity_pose.p, float)
+        if volume < 0:
+            drawn = self._liquids.draw(tip, -volume)
+            self._holds += drawn
+            self._air += -volume - drawn if self._holds else 0.0
+        elif self._holds:
+            air = min(volume, self._air)
+            released = min(volume - air, self._holds)
+            self._liquids.release(tip, released)
+            self._holds -= released
+            self._air = self._air - air if self._holds else 0.0
+
+    def measures(self) -> Mapping[str, float]:
+        return {"pressed": self._pressed, "holds": self._holds}
+
+    def extra(self) -> Array:
+        return np.array([self._pressed, self._holds, self._air])
+
+    def put_back_extra(self, extra: Array) -> None:
+        self._pressed, self._holds, self._air = (float(number) for number in extra)

@@ -81,12 +81,43 @@ class ScrewBottleConfig(Settings):
     """Whether the bottle is fixed where it stands."""
 
 
+class PipetteConfig(Settings):
+    """A pipette that stands freely, tip down: a handle with a collar, which lies on a finger, and a sprung plunger."""
+
+    volume: Positive = 5.0
+    """What the plunger's whole way draws [ml]."""
+    travel: Positive = 0.012
+    """Of the plunger [m]."""
+    force: Positive = 4.0
+    """By which the spring presses back at the end of that; two fifths of it at rest [N]."""
+    radius: Positive = 0.02
+    """Of the handle [m]."""
+    handle: Positive = 0.1
+    """Length of the handle, up to its collar [m]."""
+    neck: Positive = 0.032
+    """Length of what is above the collar and below the plunger [m]."""
+    shaft: Positive = 0.14
+    """From the tip to the handle [m]."""
+    mass: Positive = 0.12
+    """Without the plunger [kg]."""
+
+
+MEASURES = {
+    "drawer": ("opened",),
+    "button": ("presses",),
+    "screw_bottle": ("turns", "off", "slid", "twisted", "rise"),
+    "pipette": ("pressed", "holds"),
+}
+"""The forms of articulated objects, and which numbers the referee has of each."""
+
+
 class ArticulatedConfig(Settings):
     """An articulated object and where it stands."""
 
     drawer: DrawerConfig | None = None
     button: ButtonConfig | None = None
     screw_bottle: ScrewBottleConfig | None = None
+    pipette: PipetteConfig | None = None
     at: Vector
     """The middle of its underside [m]."""
     yaw: Finite = 0.0
@@ -94,17 +125,14 @@ class ArticulatedConfig(Settings):
 
     @model_validator(mode="after")
     def _one_form(self) -> ArticulatedConfig:
-        exactly_one(self, ("drawer", "button", "screw_bottle"))
+        exactly_one(self, tuple(MEASURES))
         return self
 
     @property
     def kind(self) -> str:
         """What it is: the key of its form."""
-        return next(kind for kind in ("drawer", "button", "screw_bottle") if getattr(self, kind) is not None)
+        return next(kind for kind in MEASURES if getattr(self, kind) is not None)
 
     def measures(self, name: str) -> tuple[str, ...]:
         """Return the names of the numbers that the referee has of it."""
-        if self.drawer is not None:
-            return (f"{name}_opened",)
-        told = ("presses",) if self.button is not None else ("turns", "off", "slid", "twisted", "rise")
-        return tuple(f"{name}_{each}" for each in told)
+        return tuple(f"{name}_{each}" for each in MEASURES[self.kind])

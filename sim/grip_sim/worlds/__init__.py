@@ -178,7 +178,8 @@ def _made(config: ShapeConfig, rng: np.random.Generator | None, models: Models) 
         made = ObjectSpec(config.shape, config.shape, radius, height, ORIGIN)
     yaw = float(rng.uniform(-np.pi, np.pi)) if rng is not None else 0.0
     mass = made.mass if config.mass is None else _within(rng, config.mass)
-    return replace(made, yaw=yaw, mass=mass, friction=made.friction if config.friction is None else config.friction)
+    friction = made.friction if config.friction is None else config.friction
+    return replace(made, yaw=yaw, mass=mass, friction=friction, vessel=config.vessel)
 
 
 def _standing(thing: ObjectSpec, x: float, y: float, z: float) -> ObjectSpec:

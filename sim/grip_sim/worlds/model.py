@@ -10,6 +10,7 @@ from grip_bt.base.yaml.models import Finite, NotNegative, Positive, Settings, ex
 from grip_bt.commanders.description.config import RobotConfig
 from grip_sim.articulated.model import ArticulatedConfig, Size, Vector
 from grip_sim.faults import Fault, rising
+from grip_sim.liquids import VesselConfig
 from grip_sim.noise import Noise
 from grip_sim.shaking import ShakeConfig
 from grip_sim.specs import Colour
@@ -85,6 +86,8 @@ class ShapeConfig(Settings):
     """Coefficient against hands and fixtures; a model's own, and 1 of other shapes, without it."""
     colour: Colour | None = None
     """Red green blue, 0-255; of a shape."""
+    vessel: VesselConfig | None = None
+    """Its inside, where liquids may be in it."""
 
     @model_validator(mode="after")
     def _one_form(self) -> ShapeConfig:
@@ -173,7 +176,7 @@ class WorldFile(Settings):
     regions: dict[Name, RegionConfig] = {}
     objects: dict[Name, ObjectConfig] = {}
     articulated: dict[Name, ArticulatedConfig] = {}
-    """What has joints of its own: drawers, buttons, bottles with a screw cap."""
+    """What has joints of its own: drawers, buttons, bottles with a screw cap, pipettes."""
     cameras: dict[Name, CameraConfig] = {}
     judge: dict[Name, str] = {}
     """Name -> condition over what the referee finds in the end, such as `placed == objects`; see docs/worlds.md."""
