@@ -48,7 +48,8 @@ def shadow_hand(folder: Path) -> None:
     for side in ("left", "right"):
         robot, touching = urdf_of_mjcf(source / f"{side}_hand.xml")
         for mesh in robot.iter("mesh"):
-            mesh.set("filename", f"assets/{Path(mesh.get('filename', '')).name}")
+            name = Path(mesh.get("filename", "")).name
+            mesh.set("filename", f"package://grip_bt/commanders/robots/shadow_hand/assets/{name}")
         semantic = ET.Element("robot", name=robot.get("name", side))
         for one, other in sorted(touching):
             ET.SubElement(semantic, "disable_collisions", link1=one, link2=other, reason="Adjacent")

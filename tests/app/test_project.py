@@ -44,3 +44,13 @@ def test_a_wrong_project_file_says_where_and_what(tmp_path, text, message):
     (tmp_path / "grip.yaml").write_text(text)
     with pytest.raises(DocumentError, match=message):
         find_project(tmp_path)
+
+
+def test_a_robot_that_is_a_file_is_named_by_its_path_wherever_one_stands(tmp_path, monkeypatch):
+    """The simulator and the planner load it in processes of their own."""
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "arm.urdf").write_text("<robot name='arm'/>")
+    monkeypatch.chdir("/")
+    for said, named in (("robots/arm.urdf", str(tmp_path / "robots" / "arm.urdf")), ("panda", "panda")):
+        (tmp_path / "grip.yaml").write_text(f"grip: 1\nrobot: {said}\n")
+        assert find_project(tmp_path / "task.yaml").robot_source == named

@@ -1,4 +1,5 @@
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -181,6 +182,8 @@ def test_packages_are_found_in_given_folders_in_ros_and_among_installed_ones(tmp
     assert packages.find("smally_description") == prefix / "share" / "smally_description"
     assert packages.find("example-robot-data").name == "example-robot-data"
     assert (packages.find("scipy") / "spatial").is_dir()
+    own = Packages({}, (Path(__file__),)).find("grip_bt")
+    assert (own / "commanders" / "robots").is_dir(), "also in a checkout, whose own package.xml is one folder higher"
     with pytest.raises(MissingPartError, match=r"package 'nowhere' isn't available.*`packages:` \(given: mine\)"):
         packages.find("nowhere")
 

@@ -13,6 +13,7 @@ from pydantic import ByteSize, StringConstraints
 from grip_bt.base.errors import GripError, NotWritableError, ProjectExistsError
 from grip_bt.base.yaml.models import RosName, Settings, read_model
 from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
 from grip_bt.task.catalog.component_file import ProcessConfig, Qos
@@ -121,7 +122,10 @@ class Project:
     def robot_source(self) -> str:
         """One word for the robot, for whoever loads it in another process: its name, or the file that describes it."""
         robot = self.file.robot
-        return str(self.folder / FILE_NAME) if isinstance(robot, RobotConfig) else str(robot)
+        if isinstance(robot, RobotConfig):
+            return str(self.folder / FILE_NAME)
+        path = self.folder / Path(str(robot)).expanduser()
+        return str(path) if robot not in ROBOTS and path.exists() else str(robot)
 
     def description(self) -> RobotDescription:
         """Return the project's robot; see `load_robot`, also for what is raised."""

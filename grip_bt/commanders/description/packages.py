@@ -16,6 +16,8 @@ from types import MappingProxyType
 
 from grip_bt.base.errors import MissingPartError
 
+OWN = Path(__file__).parents[2]
+"""GRIP's own folder, which has the files of ready-made robots."""
 SCHEMES = ("package://", "model://")
 MANIFEST = "package.xml"
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
@@ -95,6 +97,8 @@ class Packages:
         Raises:
             MissingPartError: there is no such package.
         """
+        if name == OWN.name:  # in a checkout, too, whose package.xml has the name and lies one folder higher
+            return OWN
         if name in self.given:
             return self.given[name]
         if name and (there := self._in_workspace(name) or _in_ros(name) or _installed(name)) is not None:
