@@ -64,6 +64,11 @@ DEMOS = {
         "One arm holds a bottle; the other one's Allegro hand unscrews its cap with its fingertips.",
         project="unscrew",
     ),
+    "pipette": Demo(
+        "pipette",
+        "A UR10 with a Shadow hand draws from a beaker with a pipette, fills a tube, and takes it to a pose.",
+        project="pipette",
+    ),
     "benchmark": Demo(
         "benchmark",
         "Four methods to grasp, each in a component with conventions of its own, on things that fell onto a table.",

@@ -126,7 +126,12 @@ def reads(reader: Reader, page: str) -> None:
 @pytest.mark.sim
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("example", "page", "needs"), [("explore", "exploring", "small_gicp"), ("unscrew", "unscrewing", "rclpy")]
+    ("example", "page", "needs"),
+    [
+        ("explore", "exploring", "small_gicp"),
+        ("unscrew", "unscrewing", "rclpy"),
+        ("pipette", "pipetting", "sapien"),
+    ],
 )
 def test_an_example_does_what_its_page_says(tmp_path, domain, request, example, page, needs):
     pytest.importorskip(needs)
