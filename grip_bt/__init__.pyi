@@ -63,7 +63,6 @@ class _Options(TypedDict, total=False):
     rate: float | None
     watchdog: float | None
     mocks: Mapping[str, Sequence[Mapping[str, Any]]]
-    durable: bool
     ticks: int | None
     video: Path | None
     picture: Path | None
