@@ -1,4 +1,4 @@
-"""A component's node package as text: its manifest (a port for each field, a label for each outcome) and class.
+"""A component's node package as text: its manifest (a port for each field, a label for each outcome), class and test.
 
 Pure: equal components and interfaces give equal bytes; `write` does the rest.
 """
@@ -6,19 +6,22 @@ Pure: equal components and interfaces give equal bytes; `write` does the rest.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import EvaluationError, GripError
+from grip_bt.base.evaluation import condition_of
+from grip_bt.base.expression import parse_expression
 from grip_bt.base.files import replace_text
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.python_literals import py
 from grip_bt.codegen.contract import INPUT, FieldsOf, check_contract, input_ports, output_ports, port_type, received
 from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, manifest_text
-from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec
+from grip_bt.task.catalog.ros_config import INTEGER_TYPES, FieldSpec, InterfaceSpec
 from grip_bt.task.model import Meaning
 
 MARK = "Generated from component.yaml by `grip component add`"
@@ -38,6 +41,8 @@ def render(
     manifest = component_manifest(component, interface)
     meaning = {
         "words": _words(component),
+        "tried": default_case(component, interface) if component.rules else None,
+        "rule_names": sorted({n for rule in component.rules.values() for n in parse_expression(rule).names}),
         "component": component,
         "interface": interface,
         "manifest": manifest,
@@ -45,10 +50,14 @@ def render(
         "mark": MARK,
         "header": _HEADER,
     }
-    files = {"manifest.yaml": manifest_text(manifest, _HEADER)}
-    return files | {
-        path: _environment().get_template(f"{path}.j2").render(meaning) for path in ("leaf.py", "README.md")
+    templates = {
+        "leaf.py": "leaf.py.j2",
+        f"test_{component.name}.py": "test_leaf.py.j2",
+        "README.md": "README.md.j2",
     }
+    files = {"manifest.yaml": manifest_text(manifest, _HEADER)}
+    files |= {path: _environment().get_template(template).render(meaning) for path, template in templates.items()}
+    return files
 
 
 def _words(component: ComponentFile) -> dict[str, str]:
@@ -139,6 +148,42 @@ def _type(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, 
 def _doc(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, at: str) -> str:
     said = component.ports[port].doc if port in component.ports else ""
     return said or (fields[at].doc if at in fields else "")
+
+
+_DEFAULTS: dict[str, Any] = {
+    **dict.fromkeys(INTEGER_TYPES, 0),
+    **{"bool": False, "string": "", "wstring": "", "float32": 0.0, "float64": 0.0},
+}
+
+
+def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[str, Any]:
+    """Return the outputs of an empty answer, those that are numbers, texts, truth values or lists."""
+    fields = received(component, interface)
+    ports = output_ports(component, interface)
+    return {
+        port: [] if fields[at].array else _DEFAULTS[fields[at].type]
+        for port, at in ports.items()
+        if at in fields and (fields[at].array or fields[at].type in _DEFAULTS)
+    }
+
+
+def default_case(component: ComponentFile, interface: InterfaceSpec) -> tuple[dict[str, Any], str | None] | None:
+    """Return an empty answer and the outcome that the rules give it, None for none of them.
+
+    Returns:
+        None when the rules read fields whose empty values aren't plain literals.
+    """
+    reply = default_reply(component, interface)
+    for label, text in component.rules.items():
+        rule = parse_expression(text)
+        if any(name not in reply for name in rule.names):
+            return None
+        try:
+            if condition_of(rule, {name: partial(reply.__getitem__, name) for name in rule.names})():
+                return reply, label
+        except EvaluationError:
+            return None
+    return reply, None
 
 
 class NotOursError(GripError):

@@ -8,11 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from rehearsal import rehearse
 
 from grip_bt.base.errors import ContractError, GripError
 from grip_bt.codegen import check_contract, render, write_package
 from grip_bt.codegen.contract import suggested_outcomes
+from grip_bt.codegen.rehearsal import rehearse
 from grip_bt.codegen.render import class_name
 from grip_bt.codegen.scaffold import OutcomesNeededError, component_text, parse_outcomes
 from grip_bt.task.catalog.component_file import ComponentFile
@@ -81,7 +81,7 @@ def test_the_package_is_the_golden_one(name):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_generated_python_is_formatted_and_clean(tmp_path, name):
+def test_generated_python_is_formatted_clean_and_passes_its_own_test(tmp_path, name):
     write_package(tmp_path, render(*CASES[name]))
     for command in (["format", "--check"], ["check", "--select", "E,F,W,I,D,UP,B"]):
         done = subprocess.run(
@@ -91,6 +91,13 @@ def test_generated_python_is_formatted_and_clean(tmp_path, name):
             check=False,
         )
         assert done.returncode == 0, done.stdout
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
 
 
 def test_an_action_has_its_feedback_however_it_ends(tmp_path):

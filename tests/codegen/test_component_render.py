@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rehearsal import rehearse
 
 from grip_bt.base.python_literals import py
 from grip_bt.codegen import outdated, render, write_package
+from grip_bt.codegen.rehearsal import rehearse
 from grip_bt.codegen.render import NotOursError
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.manifest import read_manifests
@@ -71,6 +71,14 @@ def test_generated_python_is_formatted_and_clean(tmp_path):
             check=False,
         )
         assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("package", [EXAMPLE / "node", GOLDEN])
+def test_generated_tests_pass(package):
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-c", "/dev/null", str(package)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    assert "passed" in done.stdout
 
 
 def test_the_manifest_reads_back(tmp_path):

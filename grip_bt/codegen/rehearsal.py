@@ -1,4 +1,4 @@
-"""A component's node run once against a scripted answer: what tests look at."""
+"""A component's node run once against a scripted answer: what generated tests and `grip component test` look at."""
 
 from __future__ import annotations
 
