@@ -164,6 +164,11 @@ def recording(grip: Path, work: Path, around: Surroundings) -> str:
     return _exported(grip, work, around, "mcap", b"\x89MCAP")
 
 
+def rerun(grip: Path, work: Path, around: Surroundings) -> str:
+    """Export a run for Rerun."""
+    return _exported(grip, work, around, "rerun", b"RRF2")
+
+
 def parquet(grip: Path, work: Path, around: Surroundings) -> str:
     """Write a campaign's results as Parquet."""
     _told(grip, work, around, "new", "lab")
@@ -204,7 +209,7 @@ def everything(grip: Path, work: Path, around: Surroundings) -> str:
 
 SMOKES: Mapping[str, Callable[[Path, Path, Surroundings], str]] = {
     "": bare,
-    **{part.__name__: part for part in (motion, robots, vision, sim, ros, recording, parquet, registration)},
+    **{part.__name__: part for part in (motion, robots, vision, sim, ros, recording, rerun, parquet, registration)},
     "all": everything,
 }
 """Extra -> what tries it; returns what was seen."""

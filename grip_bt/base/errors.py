@@ -87,6 +87,7 @@ EXTRAS = {
     "parquet": "pyarrow",
     "registration": "small_gicp",
     "recording": "mcap",
+    "rerun": "rerun",
 }
 """Extra of our installation -> the packages that it brings, by what is imported."""
 

@@ -36,7 +36,7 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
     add("what", nargs="?", default=".", help="the project or a file in it; or a run's id, or `last`")
     add("--journal", type=Path, metavar="FILE", help="another journal")
     add("--json", action="store_true", help="print JSON")
-    add("--to", choices=("jsonl", "csv", "mcap"), help="export the run; Foxglove opens mcap")
+    add("--to", choices=("jsonl", "csv", "mcap", "rerun"), help="export the run; Foxglove opens mcap")
     add("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--data", action="store_true", help="show the last value of each variable that the run wrote")

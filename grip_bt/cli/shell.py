@@ -42,7 +42,7 @@ VERBS = {
     "teach": "remember where an arm or a hand is now, under a name",
     "docs": "open the documentation in a browser, offline",
     "doctor": "check the installation, and say how to fix it, or fix it",
-    "completion": "print what makes bash or zsh complete verbs and options",
+    "completion": "print what makes bash, zsh or fish complete verbs and options",
     "help": "show how a verb is used, or `all` verbs",
 }
 """What each does, for the list of them; its module is loaded when the verb is named."""
@@ -167,11 +167,14 @@ _ZSH = "autoload -U +X bashcompinit && bashcompinit\n" + _BASH
 
 def add_completion(parser: argparse.ArgumentParser) -> None:
     source = "source what it prints: source <(grip completion bash)"
-    parser.add_argument("shell", choices=("bash", "zsh"), help=source)
+    parser.add_argument("shell", choices=("bash", "zsh", "fish"), help=source)
 
 
 def run_completion(args: argparse.Namespace) -> None:
     words = {verb: _words(verb) for verb in VERBS}
+    if args.shell == "fish":
+        print("\n".join(_fish(words)))
+        return
     said = {verb: " ".join(options) for verb, options in words.items() if options}
     cases = "\n".join(f'        {v}) COMPREPLY=($(compgen -W "{w}" -- "$word")) ;;' for v, w in said.items())
     print((_ZSH if args.shell == "zsh" else _BASH).format(verbs=" ".join(VERBS), cases=cases), end="")
@@ -185,3 +188,15 @@ def _words(verb: str) -> list[str]:
         found += [option for option in action.option_strings if option.startswith("--")]
         found += list(action.choices) if isinstance(action, argparse._SubParsersAction) else []
     return sorted(found)
+
+
+def _fish(words: dict[str, list[str]]) -> list[str]:
+    lines = [
+        f"complete -c grip -n __fish_use_subcommand -a {verb} -d '{doc.replace(chr(39), chr(92) + chr(39))}'"
+        for verb, doc in VERBS.items()
+    ]
+    for verb, options in words.items():
+        for option in options:
+            given = f"-l {option[2:]}" if option.startswith("--") else f"-a {option}"
+            lines.append(f"complete -c grip -n '__fish_seen_subcommand_from {verb}' {given}")
+    return lines

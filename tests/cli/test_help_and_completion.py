@@ -55,9 +55,10 @@ def test_bash_completes_verbs_options_and_verbs_below(before, word, found, capsy
     assert set(said.stdout.split()) == found
 
 
-def test_zsh_reads_what_is_printed_for_it(capsys, tmp_path):
-    script = tmp_path / "grip.zsh"
-    script.write_text(shown(capsys, "completion", "zsh"))
-    assert "--seed" in script.read_text()
-    if shutil.which("zsh"):
-        subprocess.run(["zsh", "-n", script], check=True)
+@pytest.mark.parametrize("shell", ["zsh", "fish"])
+def test_other_shells_read_what_is_printed_for_them(shell, capsys, tmp_path):
+    script = tmp_path / f"grip.{shell}"
+    script.write_text(shown(capsys, "completion", shell))
+    assert "--seed" in script.read_text() or "-l seed" in script.read_text()
+    if shutil.which(shell):
+        subprocess.run([shell, "-n", script], check=True)

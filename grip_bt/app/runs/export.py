@@ -1,4 +1,4 @@
-"""A run of the journal as a file for other tools: lines of JSON, a table, or a recording that Foxglove opens."""
+"""A run of the journal as a file for other tools: lines of JSON, a table, or a recording for Foxglove or Rerun."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.runtime import Event, JournalReader, RunRecord
 
 from .export_mcap import COLUMNS, write_mcap
+from .export_rerun import write_rerun
 
 
 def export_run(reader: JournalReader, run: str, file: Path, to: str) -> int:
-    """Write the events of a run to a file as `jsonl`, `csv` or `mcap`; return how many there were.
+    """Write the events of a run to a file as `jsonl`, `csv`, `mcap` or `rerun`; return how many there were.
 
     Raises:
         UnknownNameError: there is no such run or format.
@@ -59,4 +60,5 @@ FORMATS: dict[str, Callable[[JournalReader, RunRecord, Path], AbstractContextMan
     "jsonl": _jsonl,
     "csv": _csv,
     "mcap": write_mcap,
+    "rerun": write_rerun,
 }

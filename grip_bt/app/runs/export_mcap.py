@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
-from grip_bt.base.values import DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
+from grip_bt.base.values import DepthImage, Grasp, Image, PointCloud, Pose, RgbdFrame
 from grip_bt.runtime import Event, JournalReader, RunRecord
 
-from .motion_record import motion_file
+from .motion_record import moments, motion_file
 
 Message = tuple[str, dict[str, Any]]
 
@@ -209,24 +209,18 @@ def _drawn(channels: _Channels, record: RunRecord, times: np.ndarray[Any, Any], 
     """
     from grip_bt.commanders.kinematics.model import RobotModel
 
-    lines = [json.loads(line) for line in motion.read_text(encoding="utf-8").splitlines()]
     model = RobotModel(find_project(record.task_path).description())
     channels.send("/robot_description", "grip.Text", round(times[0, 1] * 1e9), {"data": model.description.urdf})
-    joints, state, bodies, there = dict[str, Any](), dict[str, float](), dict[str, Any](), dict[str, Any]()
-    for line in lines:
-        at = round(float(np.interp(line.get("t", 0.0), *times.T)) * 1e9)
-        joints |= line.get("parts", {})
-        bodies |= line.get("bodies", {})
-        if "q" in line:
-            state |= {n: q for part, at_ in line["q"].items() for n, q in zip(joints[part], at_, strict=True)}
-            known = {name: q for name, q in state.items() if model.model.existJointName(name)}
-            poses = model.link_poses(JointState.from_mapping(known))
-            moved = [_transform(link, pose, at) for link, pose in poses.items()]
+    there = dict[str, Any]()
+    for moment in moments(motion, model):
+        at = round(float(np.interp(moment.t, *times.T)) * 1e9)
+        if moment.links:
+            moved = [_transform(link, pose, at) for link, pose in moment.links.items()]
             channels.send("/tf", "foxglove.FrameTransforms", at, {"transforms": moved})
-        if "scene" in line:
-            before, there = there, line["scene"]
+        if moment.scene is not None:
+            before, there = there, dict(moment.scene)
             gone = [{"timestamp": stamp(at), "type": 0, "id": name} for name in before if name not in there]
-            new = [_entity(name, it, bodies, at) for name, it in there.items() if it != before.get(name)]
+            new = [_entity(name, it, moment.bodies, at) for name, it in there.items() if it != before.get(name)]
             channels.send("/grip/scene", "foxglove.SceneUpdate", at, {"deletions": gone, "entities": new})
 
 

@@ -12,8 +12,9 @@ import hashlib
 import json
 import threading
 from base64 import b64encode
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +24,9 @@ from numpy.typing import NDArray
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Arm, Clock, Hand
-from grip_bt.base.values import Pose, Trajectory
+from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
+from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 
 FOLDER = "motion"
@@ -43,6 +45,42 @@ KEPT = 50
 def motion_file(journal: Path, run: str) -> Path:
     """Return where the motion of a run is kept, beside its journal."""
     return journal.parent / FOLDER / f"{run}.jsonl"
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What has changed at a time.
+
+    Attributes:
+        t: on the run's clock [s].
+        links: link -> its pose in world; empty where no joint moved.
+        scene: all objects as `scene` lines have them, where any changed.
+        bodies: all that were told so far.
+    """
+
+    t: float
+    links: Mapping[str, Pose]
+    scene: Mapping[str, Any] | None
+    bodies: Mapping[str, Mapping[str, str]]
+
+
+def moments(motion: Path, model: RobotModel) -> Iterator[Moment]:
+    """Read how a robot and its scene moved.
+
+    Raises:
+        OSError: there is no such file.
+    """
+    joints, state, bodies = dict[str, list[str]](), dict[str, float](), dict[str, Mapping[str, str]]()
+    for line in map(json.loads, motion.read_text(encoding="utf-8").splitlines()):
+        joints |= line.get("parts", {})
+        bodies |= line.get("bodies", {})
+        links: Mapping[str, Pose] = {}
+        if "q" in line:
+            state |= {n: q for part, at in line["q"].items() for n, q in zip(joints[part], at, strict=True)}
+            known = {name: q for name, q in state.items() if model.model.existJointName(name)}
+            links = model.link_poses(JointState.from_mapping(known))
+        if "t" in line:
+            yield Moment(line["t"], links, line.get("scene"), dict(bodies))
 
 
 @contextmanager
