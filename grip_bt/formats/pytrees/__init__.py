@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -26,6 +28,7 @@ from grip_bt.task import Task
 
 __all__ = ["from_xml", "import_from_code", "read", "to_task", "to_xml"]
 
+_PR_SET_PDEATHSIG = 1
 TIMEOUT = 60.0
 """How long [s] somebody's code may take."""
 
@@ -116,6 +119,7 @@ def _plain(task: Task) -> dict[str, Any]:
 
 def _tell() -> None:
     """Tell what somebody's code builds, and end; what the code itself prints goes to stderr."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)  # when who waits for it is killed, nobody ends it else
     stdout, sys.stdout = sys.stdout, sys.stderr
     answer = json.dumps(told(*sys.argv[1:]))
     sys.stderr.flush()
