@@ -47,7 +47,7 @@ def grip(tmp_path):
 
 
 def test_an_xml_file_becomes_a_task_on_stdout(grip):
-    done = grip("import", "tree.xml", "--from", "pytrees")
+    done = grip("import", "tree.xml", "--from", "py_trees")
     assert done.returncode == 0
     assert loads(done.stdout).root.children["Retry"].times == 3
     assert "info[renamed] flow_succeed: was called 'flow.succeed'" in done.stderr
