@@ -36,8 +36,14 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
     add("what", nargs="?", default=".", help="the project or a file in it; or a run's id, or `last`")
     add("--journal", type=Path, metavar="FILE", help="another journal")
     add("--json", action="store_true", help="print JSON")
-    add("--to", choices=("jsonl", "csv", "mcap", "rerun"), help="export the run; Foxglove opens mcap")
-    add("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
+    add("--to", choices=("jsonl", "csv", "mcap", "rerun", "lerobot"), help="export the run; Foxglove opens mcap")
+    add(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="where to, with --to; of lerobot the dataset's folder, which grows",
+    )
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--data", action="store_true", help="show the last value of each variable that the run wrote")
     what.add_argument("--timing", action="store_true", help="show how long the nodes of the run took")
@@ -60,7 +66,11 @@ def run_runs(args: argparse.Namespace) -> int:
         return _no_runs(args, journal)
     with JournalReader(journal) as reader:
         run = find_run(reader, "last" if place.exists() else args.what) if one else None
-        if run is not None and args.to is not None:
+        if run is not None and args.to == "lerobot":
+            from grip_bt.app.runs.export_lerobot import add_run  # of the extras `sim` and `parquet`
+
+            print(f"{args.output}: {add_run(reader, run, args.output)} frames of run {run}")
+        elif run is not None and args.to is not None:
             print(f"{args.output}: {export_run(reader, run, args.output, args.to)} events of run {run}")
         elif run is not None and args.timing:
             _timing(reader, run, args.json)

@@ -1,18 +1,13 @@
-"""Add runs in simulation to a LeRobotDataset (v3): what each camera saw, joints, actions, task, success.
+"""Runs in simulation as episodes of a LeRobotDataset (v3): what each camera saw, joints, actions, task, success.
 
-    python examples/to_lerobot.py RUN -o FOLDER [--journal FILE]
-
-RUN is a run's id, its beginning, or `last`, of the project in this folder or of a journal. A journal has no film: the
-run is run again for each camera of its world, since its seed repeats it, and is filmed. An action is where the joints
-are a frame later. Each episode has files of its own, so that a folder grows without what is there being written again.
-Needs `pip install 'grip-bt[sim,parquet]'`.
+A journal has no film: the run is run again for each camera of its world, since its seed repeats it, and is filmed. An
+action is where the joints are a frame later. Each episode has files of its own, so that a folder grows without what is
+there being written again. Format: https://github.com/huggingface/lerobot.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
-import sys
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -24,14 +19,13 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import parquet
 
-from grip_bt.app.project.folder import find_project
-from grip_bt.app.runs.execute import OPTIONS, RunOptions, Session, open_session
-from grip_bt.app.runs.replay import find_run
-from grip_bt.app.runs.verdict import Verdict
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
 from grip_bt.runtime import JournalReader
 from grip_sim.cameras.rig import RATE
+
+from .execute import OPTIONS, RunOptions, Session, open_session
+from .verdict import Verdict
 
 _CHUNK = 1000
 """Files in a folder."""
@@ -248,23 +242,3 @@ def _together(one: dict[str, Any], two: dict[str, Any]) -> dict[str, Any]:
     found = {"min": np.minimum(a["min"], b["min"]), "max": np.maximum(a["max"], b["max"]), "mean": mean}
     rest = {"std": np.sqrt(spread).tolist(), "count": (a["count"] + b["count"]).astype(int).tolist()}
     return {name: value.tolist() for name, value in found.items()} | rest
-
-
-def main() -> int:
-    """Add a run."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("run")
-    parser.add_argument("-o", "--output", type=Path, required=True)
-    parser.add_argument("--journal", type=Path)
-    args = parser.parse_args()
-    try:
-        with JournalReader(args.journal or find_project(Path.cwd()).journal) as reader:
-            run = find_run(reader, args.run)
-            print(f"{args.output}: {add_run(reader, run, args.output)} frames of run {run}")
-    except (GripError, OSError) as error:
-        sys.exit(f"error: {error}")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
