@@ -21,6 +21,7 @@ from pyarrow import parquet
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
+from grip_bt.base.ports import Arm, Hand
 from grip_bt.runtime import JournalReader
 from grip_sim.cameras.rig import RATE
 
@@ -82,8 +83,10 @@ def again(
             watch.end()
         success = result.status == "success" and not verdict.facts(result).get("contradiction")
         text = " ".join((session.document.task.doc or session.document.task.name).split())
+        run = session.runner.run_id
+    assert options.journal is not None and run is not None, "it is recorded"
     with JournalReader(options.journal) as other:
-        if done(other, session.runner.run_id) != before:
+        if done(other, run) != before:
             raise GripError("the run went otherwise when it was repeated: its project has changed, or a component")
     return watch.names, watch.frames(), text, success, cameras
 
@@ -94,7 +97,7 @@ class Watch(threading.Thread):
     def __init__(self, session: Session):
         super().__init__(daemon=True)
         self._now = session.runner.context.clock.now
-        self._parts = [*session.resources.arms.values(), *session.resources.hands.values()]
+        self._parts: list[Arm | Hand] = [*session.resources.arms.values(), *session.resources.hands.values()]
         self._over = threading.Event()
         self.names = [name for part in self._parts for name in part.state().names]
         self._rows: list[tuple[float, Array]] = []
@@ -136,7 +139,9 @@ def add(folder: Path, films: dict[str, Path], names: list[str], joints: Array, t
         text: the task, in words.
     """
     count, films = len(joints), {f"observation.images.{camera}": film for camera, film in films.items()}
-    features = {key: {"dtype": kind, "shape": [1], "names": None} for key, kind in _SCALARS.items()}
+    features: dict[str, dict[str, Any]] = {
+        key: {"dtype": kind, "shape": [1], "names": None} for key, kind in _SCALARS.items()
+    }
     features |= {"next.success": {"dtype": "bool", "shape": [1], "names": None}}
     features |= dict.fromkeys(
         ("observation.state", "action"), {"dtype": "float32", "shape": [len(names)], "names": names}
