@@ -84,7 +84,8 @@ def again(
         success = result.status == "success" and not verdict.facts(result).get("contradiction")
         text = " ".join((session.document.task.doc or session.document.task.name).split())
         run = session.runner.run_id
-    assert options.journal is not None and run is not None, "it is recorded"
+    assert options.journal is not None, "it is recorded"
+    assert run is not None, "likewise"
     with JournalReader(options.journal) as other:
         if done(other, run) != before:
             raise GripError("the run went otherwise when it was repeated: its project has changed, or a component")
