@@ -79,7 +79,7 @@ def test_a_component_hangs_goes_on_and_dies_and_none_is_left_hanging(file):
     )
     try:
         with open_session(file, RunOptions(robot="fake")) as session:
-            resources = Resources(world=world, servers={"grasps": process.pid})
+            resources = Resources(world=world, servers={"grasps": lambda: process.pid})
             with injected(resources, session.runner, session.runner.tell):
                 for over, status in ((False, os.WIFSTOPPED), (True, os.WIFCONTINUED)):
                     world.on_fault("slow", "component_hang of grasps", over)

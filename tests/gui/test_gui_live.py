@@ -180,7 +180,6 @@ def test_a_component_without_a_node_says_what_to_do(project: Path, switcher: Pat
 def test_the_robots_place_is_kept_as_named_messages(page: TestClient, project: Path, switcher: Path) -> None:
     from grip_bt.base.message_store import MessageLibrary
 
-    assert ask(page, "robot")["arms"] == ["right"]
     done = ask(page, "measure", {"robot": "fake", "part": "right", "what": "pose", "name": "here"})
     assert done == {"error": "", "said": "here was written into messages/poses.yaml"}
     done = ask(page, "measure", {"robot": "fake", "part": "palm", "what": "joints", "name": "posture"})

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,10 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Arm, Clock, Hand
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
-from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.kinematics.model import RobotModel
 
 FOLDER = "motion"
 PERIOD = 0.1
