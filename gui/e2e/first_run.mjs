@@ -119,6 +119,7 @@ await onPage(
     await shoot("world");
     await button("Tasks").click();
     await button("Edit the task").click();
+    await button("Edit the task").waitFor({ state: "detached" }); // the task is read again
     await pick("take");
     await page.keyboard.press("/");
     await answer("sensor/overhead");
