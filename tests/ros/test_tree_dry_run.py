@@ -18,7 +18,7 @@ from rclpy.action import ActionClient
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-SPEED = float(Path(get_package_share_directory("walks"), "speed.txt").read_text())
+SPEED = float(Path(get_package_share_directory("rounds"), "speed.txt").read_text())
 
 
 class Go(Behaviour):
@@ -45,7 +45,7 @@ def create_root():
 
 @pytest.mark.filterwarnings("ignore:module .sre_.*:DeprecationWarning")  # of a parser that rclpy imports
 def test_a_tree_over_ros_runs_where_nobody_offers_anything(domain: int, tmp_path: Path) -> None:
-    (tmp_path / "package.xml").write_text("<package><name>walks</name></package>")
+    (tmp_path / "package.xml").write_text("<package><name>rounds</name></package>")
     (tmp_path / "speed.txt").write_text("0.5")
     (tmp_path / "dry_tree.py").write_text(CODE)
     told = []
