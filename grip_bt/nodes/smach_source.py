@@ -120,11 +120,16 @@ class Workspace:
 
 
 def workspace_of(file: Path, bound: Path | None = None) -> Workspace:
-    """Return the workspace around a file, found by its packages' manifests; `bound`: its folder, if known."""
+    """Return the workspace around a file, found by its packages' manifests; `bound`: its folder, if known.
+
+    Of packages of one name the file's own counts.
+    """
     package = next((p for p in file.parents if any((p / name).is_file() for name in (*_MANIFESTS, "setup.py"))), None)
     root = bound or (_root(package) if package is not None else file.parent)
     whole = _workspace(root, package is not None or bound is not None)
-    return replace(whole, folders=tuple(dict.fromkeys((file.parent, package_of(file)[0], *whole.shared))))
+    own = {} if package is None else {name_of_package(package) or package.name: package}
+    folders = tuple(dict.fromkeys((file.parent, package_of(file)[0], *whole.shared)))
+    return replace(whole, packages={**whole.packages, **own}, folders=folders)
 
 
 @lru_cache(maxsize=64)

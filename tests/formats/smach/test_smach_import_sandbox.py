@@ -66,3 +66,12 @@ def test_what_only_waits_is_ended_long_before_its_time_is_over(monkeypatch):
     monkeypatch.setattr(sandbox, "_LOOK", 0.02)
     told = sandbox.in_child(threading.Event().wait, lambda words: Run(builder="b", error=words), 1000)
     assert Run.model_validate_json(told).error == "it waits for something"
+
+
+def test_of_packages_of_one_name_a_files_own_counts(tmp_path):
+    for copy in ("new", "old"):
+        (tmp_path / copy).mkdir()
+        (tmp_path / copy / "package.xml").write_text("<package><name>walks</name></package>")
+        (tmp_path / copy / "node.py").touch()
+    for copy in ("new", "old"):
+        assert workspace_of(tmp_path / copy / "node.py", tmp_path).packages == {"walks": tmp_path / copy}
