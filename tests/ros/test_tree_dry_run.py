@@ -45,12 +45,14 @@ def create_root():
 
 @pytest.mark.filterwarnings("ignore:module .sre_.*:DeprecationWarning")  # of a parser that rclpy imports
 def test_a_tree_over_ros_runs_where_nobody_offers_anything(domain: int, tmp_path: Path) -> None:
-    (tmp_path / "package.xml").write_text("<package><name>rounds</name></package>")
-    (tmp_path / "speed.txt").write_text("0.5")
-    (tmp_path / "dry_tree.py").write_text(CODE)
+    package = tmp_path / "rounds"  # not the test's folder itself: its neighbours would be one workspace with it
+    package.mkdir()
+    (package / "package.xml").write_text("<package><name>rounds</name></package>")
+    (package / "speed.txt").write_text("0.5")
+    (package / "dry_tree.py").write_text(CODE)
     told = []
     options = RunOptions(journal=tmp_path / "runs.sqlite", ticks=1, stand_ins=True)
-    with open_session(f"{tmp_path}/dry_tree.py:create_root", options, lambda *words: told.append(words)) as session:
+    with open_session(f"{package}/dry_tree.py:create_root", options, lambda *words: told.append(words)) as session:
         assert session.runner.run().outcome == "success"
     missing = [words for part, words in told if part == "stand-in"]
     assert missing == ["package our_walks", "action walk", "service ask", "topic speed", "topic speed"]
