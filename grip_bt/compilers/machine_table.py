@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from grip_bt.task.exploration import UNKNOWN, Labels, Oracle, answered, graph
+from grip_bt.task.exploration import UNKNOWN, Labels, Oracle, answered, answers
 from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Next, Run, Step
 from grip_bt.task.model import Foreign, Leaf
 from grip_bt.task.parts import Edges
@@ -66,10 +66,10 @@ def chooses(part: Part) -> bool:
     return asks(part) and not counts(part)
 
 
-def _asked(part: Part) -> set[str]:
+def _asked(part: Part) -> frozenset[str]:
     if isinstance(part.node, Leaf | Foreign) or interrupts(part) or part.node.concurrent:
-        return set()
-    return {answer for way in graph(part.node, labels_of(part)) for answer in way.answers} - {"exit"}
+        return frozenset()
+    return answers(part.node, part.labels) - {"exit"}
 
 
 def state_labels(part: Part) -> dict[str, str]:
@@ -118,15 +118,10 @@ def table_of(part: Part, needed: Refined) -> Table:
 def first_step(part: Part) -> Run | None:
     """Return who is run first, and in which state of the kind; None where it asks, or has to keep what it counts."""
     kind = kind_of(part)
-    step = _only_step(kind, labels_of(part), lambda q: kind.begin(None, q))
+    step = _only_step(kind, part.labels, lambda q: kind.begin(None, q))
     if type(step) is not Run:
         return None
     return step if step.state is not UNKNOWN or not asks(part) else None  # who never asks keeps nothing
-
-
-def labels_of(part: Part) -> Labels:
-    """Return with what the children may end, and where that leads."""
-    return Labels({child.name: list(child.meaning.items()) for child in part.children}, part.exits, part.edges)
 
 
 def own_edges(part: Part) -> Edges:
@@ -150,7 +145,7 @@ def kind_of(part: Part) -> Kind:
 
 def lead(part: Part, index: int, outcome: str, code: str | None) -> Lead:
     """Return where the end of the child at `index` leads."""
-    labels = labels_of(part)
+    labels = part.labels
     kind, child = kind_of(part), part.children[index]
     end = Ended(child.name, outcome, child.meaning[outcome], code)
     taken = labels.exit(end)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue
 from grip_bt.task.catalog import Catalog, Manifest, check_value, manifest_of_task, parse_type
+from grip_bt.task.exploration import Labels
 from grip_bt.task.model import (
     AnyNode,
     Container,
@@ -32,7 +34,7 @@ from .scopes import Scope, Scopes
 _NO_EDGES = Edges()
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(eq=False)
 class Part:
     """One node of a task, resolved; nobody changes it.
 
@@ -63,6 +65,11 @@ class Part:
         if self.outside is not None:
             return self.outside
         return self.scope.outer if self.declares and self.scope.outer is not None else self.scope
+
+    @cached_property
+    def labels(self) -> Labels:
+        """With what the children may end, and where that leads."""
+        return Labels({child.name: list(child.meaning.items()) for child in self.children}, self.exits, self.edges)
 
     def walk(self) -> Iterator[Part]:
         stack = [self]

@@ -61,6 +61,7 @@ class Labels:
         self.ends, self.exits, self.edges = ends, exits, edges
         self.names = tuple(ends)
         self.ways: list[Way] | None = None
+        self.answers: frozenset[str] | None = None
         self._codes: dict[tuple[str, str], dict[str, None]] = {}
         for (child, outcome, code), _ in (*exits, *edges):
             if code is not None:
@@ -289,3 +290,10 @@ def graph(kind: Kind, labels: Labels) -> list[Way]:
     if labels.ways is None:
         labels.ways = list(explore(kind, labels))
     return labels.ways
+
+
+def answers(kind: Kind, labels: Labels) -> frozenset[str]:
+    """Return what the kind is ever told when it asks, found once."""
+    if labels.answers is None:
+        labels.answers = frozenset(answer for way in graph(kind, labels) for answer in way.answers)
+    return labels.answers

@@ -10,7 +10,7 @@ from restructure_tasks import CATALOG, leaf, task
 from grip_bt.base.errors import InvalidTaskError, NotExpressibleError
 from grip_bt.compilers.restructure import to_state_machines
 from grip_bt.compilers.restructure.result import COMMON
-from grip_bt.task import Fallback, Sequence, StateMachine, dumps, loads
+from grip_bt.task import Fallback, Sequence, StateMachine, dumps, exploration, loads
 
 
 def converted(root: dict[str, Any], **more: Any) -> dict[str, Any]:
@@ -126,3 +126,21 @@ def test_every_key_of_these_kinds_is_kept_or_translated() -> None:
     assert set(StateMachine.model_fields) - COMMON == {"kind", "initial", "outcomes", "children"}
     for composite in (Sequence, Fallback):
         assert set(composite.model_fields) - COMMON == {"kind", "memory", "outcomes", "exits", "children"}
+
+
+@pytest.mark.parametrize("kind", ["sequence", "fallback"])
+def test_the_work_grows_with_the_children_and_not_with_their_square(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    answered, asked = exploration.answered, 0
+
+    def counted(*args: Any) -> Any:
+        nonlocal asked
+        asked += 1
+        return answered(*args)
+
+    monkeypatch.setattr(exploration, "answered", counted)
+    work = []
+    for number in (20, 40):
+        asked = 0
+        converted({"kind": kind, "children": {f"n{i}": leaf() for i in range(number)}})
+        work.append(asked)
+    assert 0 < work[0] < work[1] < 2.5 * work[0]
