@@ -1,4 +1,4 @@
-"""Tell apart what has left its place and what has appeared, from two frames of one camera. Plain numpy and OpenCV."""
+"""Tell what has left its place, what has appeared, and whether it is in the hand. Plain numpy and OpenCV."""
 
 from __future__ import annotations
 
@@ -10,16 +10,19 @@ from numpy.typing import NDArray
 
 DEPTH = 0.012  # a surface that is nearer or farther by more than this is another one [m]
 COLOUR = 40  # of 255, in the channel that changed most
+HUE = 0.08  # two colours are alike when their shares of red, green and blue differ by less than this
 SMALLEST = 12  # patches of fewer pixels than this are noise
 _OPEN = np.ones((3, 3), np.uint8)
 
 
 @dataclass(frozen=True)
 class Difference:
-    """How many pixels were vacated, and on how many something has appeared."""
+    """On how many pixels something is gone, on how many something has come, and of which colour the first was."""
 
     vacated: int
     appeared: int
+    colour: NDArray[np.float64] | None = None
+    """Shares of red, green and blue, shape (3,); None where nothing was vacated."""
 
 
 def compare(
@@ -35,13 +38,40 @@ def compare(
     """
     known = (depth_before > 0) & (depth_after > 0) & np.isfinite(depth_before) & np.isfinite(depth_after)
     farther = np.where(known, depth_after - depth_before, 0.0)
-    changed = cv2.absdiff(colour_before, colour_after).max(axis=2) > COLOUR
-    return Difference(_pixels(changed & (farther > DEPTH)), _pixels(changed & (farther < -DEPTH)))
+    changed = _changed(colour_before, colour_after)
+    vacated, gone = _patches(changed & (farther > DEPTH))
+    colour = np.median(_shares(colour_before[gone]), axis=0) if vacated else None
+    return Difference(vacated, _patches(changed & (farther < -DEPTH))[0], colour)
 
 
-def _pixels(mask: NDArray[np.bool_]) -> int:
-    """Return how many pixels lie in patches that are no noise."""
+def shown(colour: NDArray[np.float64] | None, before: NDArray[np.uint8], after: NDArray[np.uint8]) -> int:
+    """Return on how many pixels of a picture of the hand something of a colour has appeared since the one before.
+
+    Fingers that have closed change the picture too, in colours of their own. A thing as grey as they are isn't told
+    from them.
+    """
+    if colour is None:
+        return 0
+    alike = np.abs(_shares(after) - colour).max(axis=2) < HUE
+    return _patches(_changed(before, after) & alike)[0]
+
+
+def _changed(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    different: NDArray[np.bool_] = cv2.absdiff(before, after).max(axis=2) > COLOUR
+    return different
+
+
+def _shares(pixels: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """Return each colour's shares of its brightness, which a shadow doesn't change."""
+    bright = pixels.astype(np.float64) + 1.0
+    shares: NDArray[np.float64] = bright / bright.sum(axis=-1, keepdims=True)
+    return shares
+
+
+def _patches(mask: NDArray[np.bool_]) -> tuple[int, NDArray[np.bool_]]:
+    """Return how many pixels lie in patches that are no noise, and which."""
     cleaned = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, _OPEN)
-    _, _, stats, _ = cv2.connectedComponentsWithStats(cleaned, connectivity=8)
-    areas = stats[1:, cv2.CC_STAT_AREA]
-    return int(areas[areas >= SMALLEST].sum())
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(cleaned, connectivity=8)
+    large = stats[:, cv2.CC_STAT_AREA] >= SMALLEST
+    large[0] = False
+    return int(stats[large, cv2.CC_STAT_AREA].sum()), large[labels]

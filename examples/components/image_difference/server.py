@@ -2,7 +2,7 @@
 
 import numpy as np
 import rclpy
-from difference import compare
+from difference import compare, shown
 from grasp_check_interfaces.srv import CompareFrames
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -34,12 +34,16 @@ class Comparer(Node):
         self.create_service(CompareFrames, "/compare_frames", self.answer)
 
     def answer(self, request, response):
-        """Compare the frames of a request; frames without pixels show no difference."""
+        """Compare the frames of a request; frames without pixels show no difference, and nothing in the hand."""
         if request.before.image.data and request.after.image.data:
             parts = (request.before.image, request.before.depth, request.after.image, request.after.depth)
             found = compare(*map(pixels_of, parts))
             response.vacated, response.appeared = found.vacated, found.appeared
-        self.get_logger().info(f"{response.vacated} pixels vacated, on {response.appeared} something appeared")
+            hand = (request.hand_before.image, request.hand_after.image)
+            if all(picture.data for picture in hand):
+                response.shown = shown(found.colour, *map(pixels_of, hand))
+        counts = f"{response.vacated} vacated, {response.appeared} appeared, {response.shown} in the hand"
+        self.get_logger().info(f"pixels: {counts}")
         return response
 
 

@@ -15,8 +15,9 @@ class ImageDifference(ComponentLeaf):
     component = "image_difference"
     rules = MappingProxyType(
         {
-            "taken": "vacated >= 60 and appeared <= 0.3 * vacated",
-            "moved": "vacated >= 60",
+            "taken": "vacated >= 60 and appeared <= 0.3 * vacated and shown >= 150",
+            "moved": "vacated >= 60 and appeared > 0.3 * vacated",
+            "lost": "vacated >= 60",
             "untouched": "vacated < 60",
         }
     )

@@ -9,12 +9,13 @@ HERE = Path(__file__).parent
 REPLY = {
     "vacated": 0,
     "appeared": 0,
+    "shown": 0,
 }
 
 
 def test_every_rule_reads_outputs_only():
     """A rule is an expression over the outputs; this one is read when the node is prepared."""
-    assert set(REPLY).issuperset(["appeared", "vacated"])
+    assert set(REPLY).issuperset(["appeared", "shown", "vacated"])
 
 
 def test_an_empty_answer_ends_as_the_rules_say():
@@ -28,5 +29,7 @@ def test_the_request_holds_every_bound_input():
     inputs = {
         "before": object(),
         "after": object(),
+        "hand_before": object(),
+        "hand_after": object(),
     }
     assert rehearse(HERE, REPLY, inputs).request == inputs
