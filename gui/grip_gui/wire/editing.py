@@ -53,12 +53,11 @@ class HistoryEntry(Wire):
     """One state of a document in its history."""
 
     number: int
-    parent: int | None
     title: str
 
 
 class HistoryView(Wire):
-    """What can be undone and redone, and the branches."""
+    """What can be undone and redone."""
 
     at: int
     moments: list[HistoryEntry]  # the latest; those before are reached by undo
@@ -129,14 +128,6 @@ class PlacesView(Wire):
     lines: dict[str, int]
 
 
-class CommentView(Wire):
-    """What the comment of a node or of the task says in the file; empty for none, None where the node has just gone."""
-
-    revision: int
-    node: str
-    comment: str | None
-
-
 class Part(Wire):
     """A copy of a node with all below it: what a clipboard holds and `paste` takes."""
 
@@ -168,7 +159,7 @@ class TextRequest(SaveRequest):
 
 
 class StepRequest(Wire):
-    """Undo, redo, or go to a moment of any branch."""
+    """Undo, redo, or go to a moment."""
 
     path: TaskPath
     base: int
