@@ -28,6 +28,7 @@ _HOME = {
     "check": "grip_bt.app.python",
     "draw": "grip_bt.app.python",
     "tree": "grip_bt.app.python",
+    "machine": "grip_bt.app.python",
     "Tree": "grip_bt.runtime.ticked",
     "Observer": "grip_bt.nodes.node",
     "Robot": "grip_bt.app.robot",
@@ -57,7 +58,7 @@ _HOME = {
     "run_async": "grip_bt.app.runs.execute",
 }
 
-__all__ = ["__version__", *_HOME]
+__all__ = [*_HOME]
 
 
 def __getattr__(name: str) -> Any:
@@ -69,4 +70,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return ["__version__", *sorted(__all__)]

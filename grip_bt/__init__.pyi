@@ -11,6 +11,7 @@ from grip_bt.app.campaign.run import campaign as campaign
 from grip_bt.app.python import Picture
 from grip_bt.app.python import check as check
 from grip_bt.app.python import draw as draw
+from grip_bt.app.python import machine as machine
 from grip_bt.app.python import tree as tree
 from grip_bt.app.robot import Robot as Robot
 from grip_bt.app.wiring.open import tree_run as tree_run
@@ -38,6 +39,7 @@ from grip_bt.runtime import BehaviourTree as BehaviourTree
 from grip_bt.runtime import JournalReader as JournalReader
 from grip_bt.runtime import RunResult as RunResult
 from grip_bt.runtime import TreeRun as TreeRun
+from grip_bt.runtime.ticked import Machine
 from grip_bt.runtime.ticked import Tree as Tree
 from grip_bt.task import Task as _Task
 from grip_bt.task import dumps as dumps
@@ -50,6 +52,9 @@ class Task(_Task):
     def tree(  # type: ignore[override]  # the rooms below know no more than that there are options
         self, robot: RobotKind = "fake", seed: int = 0, data: dict[str, Any] | None = None
     ) -> Tree: ...
+    def machine(  # type: ignore[override]
+        self, robot: RobotKind = "fake", seed: int = 0, data: dict[str, Any] | None = None
+    ) -> Machine: ...
     def show(self, view: Literal["tree", "flow"] = "tree") -> Picture: ...
 
 class _Options(TypedDict, total=False):

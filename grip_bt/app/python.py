@@ -1,9 +1,11 @@
-"""What `import grip_bt as grip` offers for a task beside running it: pictures, checks, and trees that tick by hand."""
+"""What `import grip_bt as grip` offers for a task beside running it: pictures, checks, trees and machines by hand."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,9 +15,11 @@ from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening, RobotKind, silent
 from grip_bt.base.files import replace_text
 from grip_bt.base.issue import Report
-from grip_bt.compilers import to_tree
+from grip_bt.compilers import CompiledMachine, CompiledTree, to_machine, to_tree
 from grip_bt.formats.draw import to_svg
-from grip_bt.runtime.ticked import Tree
+from grip_bt.runtime import RunContext
+from grip_bt.runtime.pacing import Pacing
+from grip_bt.runtime.ticked import Machine, Tree
 from grip_bt.task import Task
 from grip_bt.task.validation import validate
 
@@ -56,14 +60,26 @@ def tree(task: Task, robot: RobotKind = "fake", seed: int = 0, data: dict[str, A
         InvalidTaskError: the task is wrong.
         GripError: a part of the robot, or a component, can't be started.
     """
+    compiled = to_tree(task, catalogue_for(task), data=data)
+    return Tree(compiled, _opened(task, compiled, robot, seed)[1], partial(to_svg, task, catalogue_for(task), "tree"))
+
+
+def machine(task: Task, robot: RobotKind = "fake", seed: int = 0, data: dict[str, Any] | None = None) -> Machine:
+    """Return a task as a state machine that is ready to be executed, with a robot, as `tree` does."""
+    compiled = to_machine(task, catalogue_for(task), data=data)
+    context, close = _opened(task, compiled, robot, seed)
+    return Machine(compiled, close, Pacing(context.waker))
+
+
+def _opened(
+    task: Task, compiled: CompiledTree | CompiledMachine, robot: RobotKind, seed: int
+) -> tuple[RunContext, Callable[[], None]]:
     project = project_of(task)
-    catalog = catalogue_for(task)
-    refuse(of_task(project, task, catalog, robot))
-    compiled = to_tree(task, catalog, data=data)
+    refuse(of_task(project, task, catalogue_for(task), robot))
     leaves = [leaf.manifest for leaf in compiled.leaves.values()]
     needs, own = {each.id for each in leaves}, {each.implementation for each in leaves}
     with ExitStack() as stack:
         parts = stack.enter_context(open_resources(Opening(project, seed, None, silent), needs, robot, own))
-        compiled.prepare(parts.context())
+        compiled.prepare(context := parts.context())
         stack.callback(compiled.release)
-        return Tree(compiled, stack.pop_all().close)
+        return context, stack.pop_all().close

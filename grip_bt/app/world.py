@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import yaml
 
@@ -18,13 +18,19 @@ from grip_sim.worlds import WorldFile, arrange, read_world
 class World(WorldFile):
     """A simulated world: `grip.World(fixtures={"table": {"box": [0.7, 1.2, 0.1], "at": [0.65, 0, -0.1]}}, ...)`.
 
+    `grip.World("table")` is a built-in one, or that of a file, as it is or with other fields.
     Its fields, with units and frames, are those of the file; see docs/world_file.md.
 
     Raises:
         pydantic.ValidationError: no world can be so; it names the field and what is allowed.
+        UnknownNameError, DocumentError: there is no world of that name, or its file is wrong.
     """
 
     grip: Literal[1] = 1
+
+    def __init__(self, name: str = "", /, **fields: Any):
+        said = read_world(name)[0].model_dump(exclude_unset=True, by_alias=True) if name else {}
+        super().__init__(**said | fields)
 
     @classmethod
     def like(cls, name: str, project: Path | None = None) -> World:

@@ -10,22 +10,32 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from grip_bt.app.project.folder import FILE_NAME, find_project, make_project, ros_files
+from grip_bt.app.project.folder import FILE_NAME, find_project, in_default, make_project, ros_files
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.files import replace_text
 from grip_bt.cli.parser import STAND_INS, add_no_code
 from grip_bt.cli.terminal import on_hang_up
+from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.formats.pytrees import import_from_code
 from grip_bt.nodes.tree_code import is_tree_code, place_of
 from grip_bt.task import dumps
 from grip_bt.task.validation.parts import DRAWN, STOOD_IN
+from grip_sim.worlds import world_files
+
+DEFAULT = "panda_allegro"
+"""The robot of a project that names none."""
+BENCH = "bench, with something to take"
+TASKS = ("tasks/take.yaml", "tasks/first.yaml")
+"""What a new project may have, the most telling one first."""
 
 
 def add_new(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", metavar="DIR", help="a new or empty folder")
     robot = "a ready-made robot, a robot's file, a MoveIt package or its name, a workspace (default: panda_allegro)"
     parser.add_argument("--robot", metavar="PATH|NAME", help=robot)
+    world = "a built-in world, see `grip world list` (default: a bench with something to take, where an arm can)"
+    parser.add_argument("--world", metavar="NAME", help=world)
     which = "which one, where the robot has several"
     parser.add_argument("--configuration", metavar="NAME", action="append", default=[], help=which)
     parser.add_argument("--ros", action="store_true", help="make it a ROS package too, which colcon builds")
@@ -33,18 +43,24 @@ def add_new(parser: argparse.ArgumentParser) -> None:
 
 def run_new(args: argparse.Namespace) -> None:
     files = ros_files(Path(args.folder)) if args.ros else {}
-    if args.robot is not None:
-        files |= _files_of_robot(args)
+    if args.world not in (None, *world_files()):
+        raise UnknownNameError("world", args.world, world_files())
+    if args.robot is None and args.world is None and sys.stdin.isatty() and sys.stdout.isatty():
+        robot = _chosen([], "the robot", [DEFAULT, *(name for name in ROBOTS if name != DEFAULT)])
+        world = _chosen([], "the world", [BENCH, *world_files()])
+        args.robot, args.world = None if robot == DEFAULT else robot, None if world == BENCH else world
+    files |= in_default(args.world) if args.robot is None else _files_of_robot(args)
     written = make_project(args.folder, files)
     print(f"{args.folder}: {', '.join(str(file) for file in written)}")
-    folder = shlex.quote(args.folder)
-    print(f"next: grip run {folder}/tasks/first.yaml --robot fake, or `grip edit {folder}`")
+    folder, first = shlex.quote(args.folder), next(task for task in TASKS if Path(task) in written)
+    print(f"next: grip run {folder}/{first} --robot fake, --robot sim, or `grip edit {folder}`")
 
 
 def _files_of_robot(args: argparse.Namespace) -> dict[str, str]:
     from grip_bt.app.project.new_robot import new_robot  # it takes the extra `motion`
 
-    made = new_robot(args.robot, Path(args.folder), partial(_chosen, args.configuration), by_package=args.ros)
+    choose = partial(_chosen, args.configuration)
+    made = new_robot(args.robot, Path(args.folder), choose, by_package=args.ros, world=args.world)
     told = {finding.code: finding for finding in reversed(made.findings)}
     for finding in told.values():
         count = sum(other.code == finding.code for other in made.findings)

@@ -398,4 +398,6 @@ class Runner:
             duration=self.context.clock.now() - self._start,
             error=error,
             data={name: v for (path, name), v in self.compiled.data.snapshot().items() if path == Scopes.TASK},
+            run=self.run_id or "",
+            journal=None if self.journal is None else self.journal.file,
         )

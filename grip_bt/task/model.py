@@ -79,6 +79,10 @@ class Task(WithFreeKeys):
         """Return it as a tree of py_trees that is ready to tick; see `grip_bt.tree`."""
         return _package().tree(self, **options)
 
+    def machine(self, **options: object) -> object:
+        """Return it as a state machine that is ready to be executed; see `grip_bt.machine`."""
+        return _package().machine(self, **options)
+
     def show(self, view: Literal["tree", "flow"] = "tree") -> object:
         """Return a picture of it; see `grip_bt.draw`."""
         return _package().draw(self, view)

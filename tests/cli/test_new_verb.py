@@ -1,5 +1,6 @@
 """`grip new` makes a project whose first task is right and runs."""
 
+from io import StringIO
 from xml.etree import ElementTree
 
 import pytest
@@ -10,11 +11,12 @@ from grip_bt.cli.__main__ import main
 def test_a_new_projects_first_task_is_valid_canonical_and_runs(tmp_path, capsys):
     folder = tmp_path / "lab"
     assert main(["new", str(folder)]) == 0
-    assert f"grip run {folder}/tasks/first.yaml" in capsys.readouterr().out
-    task = str(folder / "tasks" / "first.yaml")
-    assert main(["check", task]) == 0
-    assert main(["fmt", "--check", task]) == 0
-    assert main(["run", task, "--robot", "fake"]) == 0
+    assert f"grip run {folder}/tasks/take.yaml" in capsys.readouterr().out
+    for task in (str(folder / "tasks" / name) for name in ("first.yaml", "take.yaml")):
+        assert main(["check", "--strict", task]) == 0
+        assert main(["fmt", "--check", task]) == 0
+        assert main(["run", task, "--robot", "fake"]) == 0
+    assert main(["world", "check", str(folder / "worlds" / "bench.yaml")]) == 0
     assert (folder / ".gitignore").read_text().splitlines()[0] == ".grip/"
 
 
@@ -51,3 +53,28 @@ def test_a_folder_that_no_ros_package_can_be_called_as_is_refused(tmp_path, caps
     assert main(["new", str(tmp_path / name), "--ros"]) == 1
     assert "a ROS package is called as its folder" in capsys.readouterr().err
     assert not (tmp_path / name).exists()
+
+
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        ("\n\n", ("robot: panda_allegro", "world: bench")),
+        ("\nshelf\n", ("robot: panda_allegro", "world: shelf")),
+        ("allegro_left\nempty\n", ("robot: allegro_left", "world: empty")),
+    ],
+)
+def test_at_a_terminal_the_robot_and_the_world_are_asked_for(tmp_path, capsys, monkeypatch, typed, said):
+    monkeypatch.setattr("sys.stdin", terminal := StringIO(typed))
+    terminal.isatty = lambda: True
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    assert main(["new", str(tmp_path / "lab")]) == 0
+    lines = (tmp_path / "lab" / "grip.yaml").read_text().splitlines()
+    assert set(said) <= set(lines)
+    assert main(["check", "--strict", str(tmp_path / "lab")]) == 0
+    assert (tmp_path / "lab" / "tasks" / "take.yaml").exists() == (said[1] == "world: bench")
+
+
+def test_a_world_that_isnt_there_is_refused_before_anything_is_written(tmp_path, capsys):
+    assert main(["new", str(tmp_path / "lab"), "--world", "tabel"]) == 1
+    assert "unknown world 'tabel'; did you mean 'table'" in capsys.readouterr().err
+    assert not (tmp_path / "lab").exists()

@@ -47,7 +47,9 @@ class NewRobot:
     findings: tuple[Finding, ...]
 
 
-def new_robot(source: str, folder: Path, choose: Choose, *, by_package: bool = False) -> NewRobot:
+def new_robot(
+    source: str, folder: Path, choose: Choose, *, by_package: bool = False, world: str | None = None
+) -> NewRobot:
     """Return the files of a project.
 
     Args:
@@ -55,6 +57,7 @@ def new_robot(source: str, folder: Path, choose: Choose, *, by_package: bool = F
             configuration or description package or of a workspace with some, or such a package's name.
         folder: of the project, which `grip.yaml` begins its paths in.
         choose: asked where there are several.
+        world: that it is in; None for a bench with something that one of its arms can take.
         by_package: name files of ROS packages by `package://`, since the project will be installed elsewhere.
 
     Raises:
@@ -74,8 +77,8 @@ def new_robot(source: str, folder: Path, choose: Choose, *, by_package: bool = F
     lines = _robot_lines(_with_files(said, inspected), folder.resolve(), motions, by_package)
     homes = {group: JointState.from_mapping(each.home) for group, each in motions.items() if each.home}
     known = {group: {**named, **({"home": homes[group]} if group in homes else {})} for group, named in states.items()}
-    taking = first_grasp(replace(robot, named_states=known), _key) if arms else {}
-    world = "bench" if taking else "table" if source in ROBOTS else "empty"
+    taking = first_grasp(replace(robot, named_states=known), _key) if arms and world is None else {}
+    world = world or ("bench" if taking else "table" if source in ROBOTS else "empty")
     grip = _grip_text(robot, lines, parts, inspected, world) + _bringup(Path(source).expanduser().resolve(), folder)
     files = {"grip.yaml": grip, "tasks/first.yaml": fmt(_task_text(robot, parts, motions), "first.yaml"), **taking}
     return NewRobot(files, inspected.findings)

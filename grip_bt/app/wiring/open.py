@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.folder import ARCHIVE, MESSAGES, Project, find_project
@@ -50,6 +51,8 @@ def open_resources(
         needs: catalogue ids of the task's leaves.
         own: implementations of leaves, in which it is looked what the project's own nodes ask for.
     """
+    if robot not in get_args(RobotKind):
+        raise UnknownNameError("kind of robot", robot, get_args(RobotKind))
     project, asked, parts = opening.project, _parts_asked_for(own), Resources()
     with ExitStack() as stack:
         if not opening.equipment.lasting:

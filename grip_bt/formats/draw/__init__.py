@@ -6,7 +6,8 @@ drawn by viewers of Markdown.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from xml.sax.saxutils import escape, quoteattr
 
 from grip_bt.task import KINDS, AnyNode, Leaf, Task, children_of, join, walk
@@ -38,18 +39,20 @@ _COLOURS = {  # fill, border
 }
 _DECORATOR = ("#f4f4f2", "#77736a")
 _MEANINGS = {"success": ("#e5f4e8", "#2f7d3f"), "failure": ("#fbeae8", "#b0392c")}
+_STATUS = {**_MEANINGS, "running": ("#fff4cf", "#a87b00")}
 _FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
 _INK, _QUIET, _LINE, _PAPER = "#1d2329", "#59626c", "#6b747e", "#fcfcfb"
 _TICK = {"success": "M-4 0l3 3l5-6", "failure": "M-3-3l6 6M3-3l-6 6"}
 
 
-def to_svg(task: Task, catalog: Catalog, view: View = "tree") -> str:
+def to_svg(task: Task, catalog: Catalog, view: View = "tree", status: Mapping[str, str] = MappingProxyType({})) -> str:
     """Return a picture of a task.
 
     Args:
         task: the task; it need not be valid.
         catalog: where the nodes' documentation is, for the titles that a pointer shows.
         view: `tree` (every node a box, order from top to bottom) or `flow` (containers as frames, links inside).
+        status: node -> `running`, `success` or `failure`, which colours its box in a tree.
     """
     figure = tree_figure(task, catalog) if view == "tree" else flow_figure(task, catalog)
     width, height = round(figure.width), round(figure.height)
@@ -65,7 +68,7 @@ def to_svg(task: Task, catalog: Catalog, view: View = "tree") -> str:
         f"<title>{escape(task.name)}, {view} view</title>",
         arrow,
         f'<rect width="{width}" height="{height}" fill="{_PAPER}"/>',
-        *(_box(box) for box in figure.boxes),
+        *(_box(box, status.get(path, "")) for box, (path, _) in zip(figure.boxes, walk(task.root), strict=True)),
         *(_path(line) for line in figure.lines),
         *(_pill(pill) for pill in figure.pills),
         *(label for line in figure.lines for label in _label(line)),
@@ -82,8 +85,8 @@ def _text(x: float, y: float, words: str, **attributes: str) -> str:
     return f'<text x="{_number(x)}" y="{_number(y)}"{more}>{escape(words)}</text>'
 
 
-def _box(box: Box) -> str:
-    fill, border = _COLOURS.get(box.kind, _DECORATOR)
+def _box(box: Box, status: str) -> str:
+    fill, border = _STATUS.get(status) or _COLOURS.get(box.kind, _DECORATOR)
     radius = 10 if box.frame else 6
     parts = [f"<title>{escape(box.title)}</title>"] if box.title else []
     parts.append(
