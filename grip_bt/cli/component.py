@@ -63,6 +63,7 @@ def add_component(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--wait", type=float, default=5.0, metavar="S", help="how long to look at the graph [s]")
     add.add_argument("--check", action="store_true", help="write nothing; exit with 1 if the node isn't up to date")
     listed.add_argument("project", type=Path, nargs="?", default=Path(), help="project folder (default: here)")
+    listed.add_argument("--json", action="store_true", help="print one JSON list")
     test.add_argument("folder", type=Path, help="a component: a folder with component.yaml")
     add_no_code(test)
 
@@ -153,7 +154,7 @@ def _run_list(args: argparse.Namespace) -> int:
     if not found:
         where = project.folder / (project.file.components or "components")
         print(f"no components in {where}; `grip component new NAME` makes one", file=sys.stderr)
-    broken = False
+    rows, broken = list[dict[str, object]](), False
     for folder, home in found.items():
         try:
             component = load_component(home)
@@ -162,8 +163,11 @@ def _run_list(args: argparse.Namespace) -> int:
             broken = True
             print(f"{folder:<24} can't be read: {error}", file=sys.stderr)
             continue
-        state, outcomes = "node is not up to date" if stale else "node up to date", ", ".join(component.outcomes)
-        print(f"{component.name:<24} {component.interface}  {component.server}  {outcomes}  ({state})")
+        row = {key: getattr(component, key) for key in ("name", "interface", "server", "outcomes")}
+        rows.append(row | {"outcomes": list(component.outcomes), "up_to_date": not stale})
+    line = "{name:<24} {interface}  {server}  {0}  (node {1}up to date)"
+    lines = (line.format(", ".join(r["outcomes"]), "" if r["up_to_date"] else "is not ", **r) for r in rows)
+    tell(args.json, rows, lines)
     return int(broken)
 
 

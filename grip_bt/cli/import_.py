@@ -16,7 +16,7 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError, listing
 from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.cli.parser import STAND_INS, add_no_code
-from grip_bt.cli.terminal import Bar, put
+from grip_bt.cli.terminal import Bar, put, tell
 from grip_bt.formats.imported import Imported, Request, generated_by, write_generated
 from grip_bt.nodes.tree_code import is_tree_code
 from grip_bt.task import Task, dumps
@@ -67,6 +67,7 @@ def add_import(parser: argparse.ArgumentParser) -> None:
     outcome = "smach: an outcome that means success, whatever it is called"
     add("--success", action="append", metavar="OUTCOME", help=outcome)
     add("--report", action="store_true", help="print the report only; write nothing")
+    add("--json", action="store_true", help="print the report as one JSON object; tasks go to -o alone")
     add_no_code(parser)
     parser.set_defaults(run=run)
 
@@ -92,7 +93,9 @@ def run(args: argparse.Namespace) -> int:
                 more=tuple(args.more),
             )
         )
-    if args.report or args.output is not None or args.source not in _ONE:
+    if args.json:
+        tell(True, imported.as_dict())
+    elif args.report or args.output is not None or args.source not in _ONE:
         put(imported.text())
     else:
         sys.stderr.write(imported.text())
@@ -168,6 +171,6 @@ def _write(imported: Imported, args: argparse.Namespace) -> bool:
         document = read(path)
         errors = validate(document.task, catalog, document).errors
         for issue in errors:
-            print(f"  to do: {issue}")
+            print(f"  to do: {issue}", file=sys.stderr if args.json else sys.stdout)
         wrong |= bool(errors)
     return wrong

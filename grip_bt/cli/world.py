@@ -47,7 +47,7 @@ def add_world(parser: argparse.ArgumentParser) -> None:
     check.add_argument("worlds", nargs="*", metavar="NAME|FILE", help="all of the project's without it")
     new.add_argument("name", metavar="NAME", help="of the new world: worlds/NAME.yaml")
     new.add_argument("--like", default="table", metavar="WORLD", help=f"what to copy: {', '.join(BUILTIN)}; or a file")
-    for each in (listed, show):
+    for each in (listed, show, check):
         each.add_argument("--json", action="store_true", help="print one JSON object")
 
 
@@ -70,7 +70,7 @@ def add_object(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--mass", type=float, metavar="KG", help="what it weighs; what its file says, or a guess, else")
     add.add_argument("--friction", type=float, metavar="MU", help="against hands and tables; 0.6 without it")
     add.add_argument("--parts", type=int, default=32, metavar="N", help="most convex parts, 32; 1: its hull")
-    for each in (listed, show):
+    for each in (listed, show, check):
         each.add_argument("--json", action="store_true", help="print one JSON object")
 
 
@@ -101,17 +101,18 @@ def _list_objects(args: argparse.Namespace) -> None:
     _list(args, objects.object_files(_here().folder), told)
 
 
-def _check(given: Sequence[str], files: dict[str, Path], faults: Faults, what: str) -> int:
+def _check(args: argparse.Namespace, given: Sequence[str], files: dict[str, Path], faults: Faults, what: str) -> int:
     """Print what is wrong with what is named, or with all that the project has of its own."""
     project = _here()
     names = given or [name for name, file in files.items() if file.parent.parent == project.folder]
-    found = [f"{name}: {fault}" for name in names for fault in faults(name, project)]
-    print(*found, f"{len(names)} {what}: {len(found)} errors", sep="\n")
+    found = [(name, str(fault)) for name in names for fault in faults(name, project)]
+    lines = (*map(": ".join, found), f"{len(names)} {what}: {len(found)} errors")
+    tell(args.json, {name: [fault for of, fault in found if of == name] for name in names}, lines)
     return int(bool(found))
 
 
 def _check_worlds(args: argparse.Namespace) -> int:
-    return _check(args.worlds, world_files(_here().folder), _faults_of_world, f"worlds checked on {SEEDS} seeds")
+    return _check(args, args.worlds, world_files(_here().folder), _faults_of_world, f"worlds checked on {SEEDS} seeds")
 
 
 def _faults_of_world(name: str, project: Project) -> Iterator[GripError]:
@@ -129,7 +130,7 @@ def _faults_of_world(name: str, project: Project) -> Iterator[GripError]:
 
 
 def _check_objects(args: argparse.Namespace) -> int:
-    return _check(args.objects, objects.object_files(_here().folder), _faults_of_object, "objects checked")
+    return _check(args, args.objects, objects.object_files(_here().folder), _faults_of_object, "objects checked")
 
 
 def _faults_of_object(name: str, project: Project) -> Iterator[GripError]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import JsonValue
 
@@ -163,6 +163,12 @@ class Imported:
         """Whether something wasn't imported."""
         every = [*self.issues, *(issue for item in self.items for issue in item.issues)]
         return any(issue.severity == "error" for issue in every)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the report as JSON data."""
+        items = [vars(i) | {"verdict": i.verdict, "issues": [each.as_dict() for each in i.issues]} for i in self.items]
+        issues = [issue.as_dict() for issue in self.issues]
+        return {"items": items, "tasks": list(self.tasks), "issues": issues, "to_do": list(self.advice)}
 
     def text(self) -> str:
         """Return the report that `grip import` prints."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,10 @@ def test_a_report_says_what_becomes_of_the_file_and_writes_nothing(
     assert "task Fetch: 4 nodes, 1 variables, 0 inputs" in said
     assert "node types: flow/wait" in said
     assert "nodes whose code has to be written: btcpp/Find, btcpp/Grasp" in said
+    assert main([*command, "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert (report["tasks"], report["items"]) == (["Fetch"], [])
+    assert "write the code of btcpp/Find" in report["to_do"][0]
     assert [p.name for p in tmp_path.iterdir()] == ["fetch.xml"]
 
 

@@ -29,6 +29,8 @@ def test_a_new_world_is_a_copy_that_is_listed_checked_and_shown(project, capsys)
     assert all(f"{name}: " in listed for name in BUILTIN)
     assert main(["world", "check"]) == 0
     assert "1 worlds checked on 20 seeds: 0 errors" in capsys.readouterr().out
+    assert main(["world", "check", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"mine": []}
     assert main(["world", "show", "mine", "--seed", "3"]) == 0
     shown = capsys.readouterr().out
     assert "- name: upper\n  size: [0.28, 0.38, 0.28]\n" in shown

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -32,6 +33,9 @@ def test_a_node_is_added_checked_and_listed(component, capsys):
     (component.parents[1] / "grip.yaml").write_text("grip: 1\n")
     assert main(["component", "list", str(component.parents[1])]) == 0
     assert "antipodal_grasps" in capsys.readouterr().out
+    assert main(["component", "list", str(component.parents[1]), "--json"]) == 0
+    (listed,) = json.loads(capsys.readouterr().out)
+    assert (listed["name"], listed["up_to_date"]) == ("antipodal_grasps", True)
 
 
 def test_a_broken_contract_is_told_field_by_field(component, capsys):
