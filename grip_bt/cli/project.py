@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from grip_bt.app.project.folder import FILE_NAME, find_project, in_default, make_project, ros_files
+from grip_bt.app.project.folder import FILE_NAME, find_project, in_world, make_project, ros_files
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.files import replace_text
@@ -49,7 +49,7 @@ def run_new(args: argparse.Namespace) -> None:
         robot = _chosen([], "the robot", [DEFAULT, *(name for name in ROBOTS if name != DEFAULT)])
         world = _chosen([], "the world", [BENCH, *world_files()])
         args.robot, args.world = None if robot == DEFAULT else robot, None if world == BENCH else world
-    files |= in_default(args.world) if args.robot is None else _files_of_robot(args)
+    files |= _files_of_robot(args) if args.robot is not None else in_world(args.world) if args.world else {}
     written = make_project(args.folder, files)
     print(f"{args.folder}: {', '.join(str(file) for file in written)}")
     folder, first = shlex.quote(args.folder), next(task for task in TASKS if Path(task) in written)

@@ -44,5 +44,10 @@ def test_what_has_no_arm_or_no_hand_takes_nothing(robot, world, tmp_path):
 @pytest.mark.sim
 def test_the_hand_holds_it_in_simulation(tmp_path):
     made("panda_allegro", tmp_path)
+    make_project(tmp_path / "plain")  # its files were found so
+    plain, own = (read(folder / "tasks" / "take.yaml").task for folder in (tmp_path / "plain", tmp_path))
+    assert plain.data == own.data
+    worlds = [(folder / "worlds" / "bench.yaml").read_text() for folder in (tmp_path / "plain", tmp_path)]
+    assert worlds[0] == worlds[1]
     result = run(tmp_path / "tasks" / "take.yaml", robot="sim")
     assert result.status == "success", result

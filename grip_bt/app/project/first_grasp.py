@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import product
+from pathlib import Path
+from string import Template
 
 import numpy as np
 import pinocchio as pin
 
-from grip_bt.app.project.folder import taking
 from grip_bt.base.arrays import Array
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, JointState, Pose
@@ -19,7 +20,9 @@ from grip_bt.commanders.planning.grasps import choose_grasp
 from grip_bt.commanders.planning.requests import Situation
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
+from grip_bt.task import fmt
 
+_FILES = Path(__file__).with_name("bench")
 PLACES = tuple(product((0.45, 0.38, 0.55, 0.65), (0.1, -0.1, 0.25, -0.25)))
 """Where the thing may stand, x and y in world [m]."""
 BENCH = SceneObject("bench", Box((0.7, 1.2, 0.1)), Pose([0.65, 0.0, -0.05]), fixed=True)
@@ -62,7 +65,8 @@ def first_grasp(robot: RobotDescription, name: Callable[[str], str]) -> dict[str
             # One of several robots can't go out of the others' way.
             said["seen"] = ", max_hidden: 0.05" if len({e.parent_group for e in robot.end_effectors}) > 1 else ""
             said |= {"arm": name(arm), "hand": name(end.group), "close": hand if can else f"{hand}, force: 10"}
-            return taking(said)
+            texts = {f: Template((_FILES / f).read_text("utf-8")).substitute(said) for f in ("bench.yaml", "take.yaml")}
+            return {"worlds/bench.yaml": texts["bench.yaml"], "tasks/take.yaml": fmt(texts["take.yaml"], "take.yaml")}
     return {}
 
 

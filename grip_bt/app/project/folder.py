@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from string import Template
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import ByteSize, StringConstraints
@@ -16,7 +15,6 @@ from grip_bt.base.yaml.models import RosName, Settings, read_model
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.settings import MotionSettings
-from grip_bt.task import fmt
 from grip_bt.task.catalog import CodePath
 from grip_bt.task.catalog.component_file import ProcessConfig, Qos
 from grip_bt.task.catalog.ros_config import RosRobotConfig, SensorConfig
@@ -174,26 +172,14 @@ def _with_robot_of_world(file: ProjectFile, folder: Path) -> ProjectFile:
 
 
 _TEMPLATE = Path(__file__).with_name("template")
-_BENCH = Path(__file__).with_name("bench")
-_OF_DEFAULT = {
-    **{"thing": "can", "shape": "shape: cylinder, radius: 0.03, height: 0.15, mass: 0.2", "x": 0.45, "y": 0.1},
-    **{"position": [0.416, 0.082, 0.09], "quaternion": [0.5] * 4, "seen": ""},
-    **{"arm": "right", "hand": "right_hand", "close": "hand: right_hand"},
-}
-"""How the robot of the template takes the can, as `first_grasp` finds it."""
+_TAKING = {Path("tasks/take.yaml"), Path("worlds/bench.yaml")}
+"""What of the template is for its robot in its world alone."""
 
 
-def taking(said: Mapping[str, object] = _OF_DEFAULT) -> dict[str, str]:
-    """Return the files of a bench with a thing on it, and of the task in which a hand takes that."""
-    texts = {f: Template((_BENCH / f).read_text("utf-8")).substitute(said) for f in ("bench.yaml", "take.yaml")}
-    return {"worlds/bench.yaml": texts["bench.yaml"], "tasks/take.yaml": fmt(texts["take.yaml"], "take.yaml")}
-
-
-def in_default(world: str | None) -> dict[str, str]:
-    """Return the files of a new project of the template's robot in a built-in world; by default on a bench."""
-    text = (_TEMPLATE / FILE_NAME).read_text("utf-8").replace("world: table", f"world: {world or 'bench'}")
-    text = text.replace("camera: overhead", "camera: front") if world == "empty" else text
-    return {FILE_NAME: text, **({} if world else taking())}
+def in_world(world: str) -> dict[str, str]:
+    """Return the `grip.yaml` of a new project of the template's robot in a built-in world."""
+    text = (_TEMPLATE / FILE_NAME).read_text("utf-8").replace("world: bench", f"world: {world}")
+    return {FILE_NAME: text.replace("camera: overhead", "camera: front") if world == "empty" else text}
 
 
 _FOLDERS = ("tasks", "components", "nodes", "messages")
@@ -222,7 +208,8 @@ def make_project(folder: str | Path, files: Mapping[str, str] | None = None, *, 
     sources = {file.relative_to(_TEMPLATE): file for file in sorted(_TEMPLATE.rglob("*")) if file.is_file()}
     # A file of this name in the package's own folder would hide files from git and from the package's build.
     named = {path.with_name(".gitignore") if path.name == "gitignore" else path: f for path, f in sources.items()}
-    texts = {path: source.read_text("utf-8") for path, source in named.items()}
+    left_out = _TAKING if files and FILE_NAME in files else set()
+    texts = {path: source.read_text("utf-8") for path, source in named.items() if path not in left_out}
     texts |= {Path(path): text for path, text in (files or {}).items()}
     texts = {path: text for path, text in texts.items() if not (folder / path).exists()}
     for path, text in texts.items():
