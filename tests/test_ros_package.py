@@ -72,8 +72,15 @@ def test_the_repository_is_installed_whole(tmp_path: Path) -> None:
 def test_a_project_is_installed_with_its_files_and_runs_from_there(tmp_path: Path) -> None:
     lab = tmp_path / "lab"
     make_project(lab, ros_files(lab))
-    wanted = ["grip.yaml", "package.xml", "tasks/first.yaml", "launch/robot.launch.py", "nodes/deep/er/grip.py"]
-    for file in (*wanted[3:], "nodes/__pycache__/grip.pyc", "components/.hidden/file", "tasks/.grip/runs", "notes.txt"):
+    own = ["grip.yaml", "package.xml", "tasks/first.yaml", "tasks/take.yaml", "worlds/bench.yaml"]
+    wanted = [*own, "launch/robot.launch.py", "nodes/deep/er/grip.py"]
+    for file in (
+        *wanted[len(own) :],
+        "nodes/__pycache__/grip.pyc",
+        "components/.hidden/file",
+        "tasks/.grip/runs",
+        "notes.txt",
+    ):
         (lab / file).parent.mkdir(parents=True, exist_ok=True)
         (lab / file).write_text("")
     prefix = installed(lab, tmp_path / "work")

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from grip_bt.app.project.components import Wish, components_folder, from_file, from_graph, label_of, make_component
 from grip_bt.app.project.folder import find_project
@@ -154,7 +155,7 @@ def _run_list(args: argparse.Namespace) -> int:
     if not found:
         where = project.folder / (project.file.components or "components")
         print(f"no components in {where}; `grip component new NAME` makes one", file=sys.stderr)
-    rows, broken = list[dict[str, object]](), False
+    rows, broken = list[dict[str, Any]](), False
     for folder, home in found.items():
         try:
             component = load_component(home)

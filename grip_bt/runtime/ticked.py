@@ -55,6 +55,8 @@ class Tree(_Opened, BehaviourTree):
     its robot until `shutdown`, or until the end of a `with` block. Nothing goes to a journal: `grip_bt.run` does that.
     """
 
+    _compiled: CompiledTree
+
     def __init__(self, compiled: CompiledTree, close: Callable[[], None], drawn: Callable[[dict[str, str]], str]):
         super().__init__(compiled.root)
         self._compiled, self._close, self._drawn = compiled, close, drawn

@@ -35,7 +35,11 @@ def test_the_stub_has_the_names_that_there_are():
     said = {node.name for node in STUB.body if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)}
     said |= {node.target.id for node in STUB.body if isinstance(node, ast.AnnAssign)}
     said |= {a.asname for node in STUB.body if isinstance(node, ast.ImportFrom) for a in node.names if a.asname}
-    assert {name for name in said if name == "__version__" or name[0] != "_"} == {*grip_bt.__all__, *KINDS}
+    assert {name for name in said if name == "__version__" or name[0] != "_"} == {
+        "__version__",
+        *grip_bt.__all__,
+        *KINDS,
+    }
 
 
 @pytest.mark.slow
