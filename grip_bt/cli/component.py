@@ -133,7 +133,6 @@ def _made(wish: Wish, args: argparse.Namespace) -> Path:
 
 
 def generate(folders: Sequence[Path]) -> int:
-    """Write the nodes of components."""
     for folder in folders:
         changed = write_package(folder / _NODE_FOLDER, rendered(folder))
         print(f"{folder / _NODE_FOLDER}: {', '.join(changed) or 'up to date'}")

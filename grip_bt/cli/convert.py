@@ -63,7 +63,6 @@ def _restructured(document: Document, catalog: Catalog, args: argparse.Namespace
 
 
 def add_convert(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     add = parser.add_argument
     add("task", metavar="TASK", help="a task file")
     form = (
@@ -81,7 +80,6 @@ def add_convert(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Convert one task."""
     if args.execute:
         refuse([f"--execute: imports and runs {args.task}"])
         task = import_from_code(args.task, Path.cwd(), as_it_is=True, stand_ins=args.stand_ins).task

@@ -36,7 +36,6 @@ _ONE, _PROJECT = ("btcpp", "pytrees"), ("grip",)
 
 
 def add_import(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     add = parser.add_argument
     path = (
         "smach: a Python file, or a folder of them; pytrees: an XML file, or with --execute module:function,"

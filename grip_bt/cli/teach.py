@@ -32,7 +32,6 @@ def add_teach(parser: argparse.ArgumentParser) -> None:
 
 
 def run_teach(args: argparse.Namespace) -> None:
-    """Teach, or list."""
     project = find_project(args.project)
     if args.name is None:
         return _list(project.folder / TAUGHT, args.json)

@@ -46,7 +46,6 @@ class RosEnvironment:
 
     @property
     def usable(self) -> bool:
-        """Whether ROS can be used."""
         return self.kind in ("wheels", "sourced")
 
 

@@ -48,17 +48,14 @@ class FrameTree:
         return cls(fixed | ({} if tree.root == root else {tree.root: Pose(frame=root)}))
 
     def with_poses(self, poses: Mapping[str, Pose]) -> FrameTree:
-        """Return a tree with more frames."""
         return FrameTree({**self._poses, **poses})
 
     @property
     def poses(self) -> dict[str, Pose]:
-        """Frame -> its pose in its parent."""
         return dict(self._poses)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every frame."""
         return tuple(sorted(set(self._poses) | {p.frame for p in self._poses.values()}))
 
     def lookup(self, target: str, source: str) -> Pose:

@@ -78,7 +78,6 @@ class RosInterface:
         return self.transforms.lookup(target, source, timeout, at)
 
     def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
-        """Return a parameter of a node."""
         service = "rcl_interfaces/srv/GetParameters"
 
         def value(response: Message) -> Operation[Any]:
@@ -91,7 +90,6 @@ class RosInterface:
         return self.bus.call(service, f"{node}/get_parameters", timeout + ANSWER, timeout, names=[name]).then(value)
 
     def set_parameter(self, node: str, name: str, value: object, timeout: float) -> Operation[None]:
-        """Set a parameter of a node."""
         service = "rcl_interfaces/srv/SetParameters"
         given: Any = value
         if isinstance(value, (list, tuple)) and {type(v) for v in value} == {int, float}:
@@ -140,7 +138,6 @@ class RosClock(Closing):
         self._reader.listen(self._received)
 
     def now(self) -> float:
-        """Return the time [s]."""
         return self._time
 
     def wait_started(self, timeout: float) -> bool:
@@ -156,7 +153,6 @@ class RosClock(Closing):
         self._listeners.append(listener)
 
     def close(self) -> None:
-        """Listen no more."""
         self._reader.ignore(self._received)
 
     def _received(self, received: Received) -> None:

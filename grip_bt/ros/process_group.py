@@ -103,7 +103,6 @@ class ProcessGroup:
         self._stopping = threading.Event()
 
     def states(self) -> dict[str, State]:
-        """Return how each process is."""
         return {name: running.state for name, running in self._all.items()}
 
     def start(self) -> None:
@@ -311,6 +310,5 @@ class GraphWatch:
         return asked.result() if asked.wait(LOOKING) else ""
 
     def close(self) -> None:
-        """Leave the graph; harmless when repeated."""
         if self._connection is not None:
             self._connection.close()

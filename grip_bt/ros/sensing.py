@@ -136,7 +136,6 @@ class UnavailableSensor:
         raise SensorError(f"{self.what}: {self.reason}")
 
     def capture(self) -> Operation[Any]:
-        """End with SensorError, likewise."""
         return Operation.failed(SensorError(f"{self.what}: {self.reason}"))
 
 

@@ -45,7 +45,6 @@ class Published:
         self._thread.start()
 
     def close(self) -> None:
-        """Publish no more."""
         self._closed.set()
         self._thread.join(2.0)
 

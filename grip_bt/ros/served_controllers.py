@@ -65,12 +65,10 @@ class Controller:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints that it moves."""
         return self._executor.joint_names
 
     @property
     def name(self) -> str:
-        """Its name, as the manager has it."""
         return self.action.strip("/").rpartition("/")[0]
 
     def deactivate(self) -> None:

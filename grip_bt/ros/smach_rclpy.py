@@ -306,6 +306,5 @@ class SmachNode(Node):
         executor.shutdown()
 
     def join(self) -> None:
-        """Wait until it has stopped spinning."""
         if self._spinner is not None:
             self._spinner.join()

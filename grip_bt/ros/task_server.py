@@ -110,12 +110,10 @@ class TaskServer(LifecycleNode):
         return super().on_deactivate(state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Stop what runs."""
         self.stop()
         return TransitionCallbackReturn.SUCCESS
 
     def stop(self) -> None:
-        """Stop what runs, if something does."""
         if (running := self._running) is not None:
             running.send({"command": "stop"})
 

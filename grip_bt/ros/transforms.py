@@ -103,7 +103,6 @@ class Transforms:
             raise FrameError("; ".join([error.message, *outside]), **error.data) from None
 
     def tree(self) -> FrameTree:
-        """Return all frames as they are now."""
         with self._lock:
             return self._fixed.with_poses({**self._static, **self._moving.latest(time.monotonic() - STALE)})
 

@@ -69,7 +69,6 @@ class ActionClient(ServedClient[_Entry]):
 
     @property
     def settled(self) -> bool:
-        """Whether every goal that was sent has ended."""
         return not self._requests
 
     # --- from any thread ---

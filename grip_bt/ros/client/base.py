@@ -92,7 +92,6 @@ class Client(ABC, Generic[R]):
         self._finish(request, CanceledError("canceled"))
 
     def end(self, error: Exception) -> None:
-        """End every request with an error."""
         for request in list(self._requests):
             self._finish(request, error)
 
@@ -260,7 +259,6 @@ class ServedClient(Client[R]):
         """
 
     def _unanswered(self) -> int:
-        """Return how many requests the server hasn't answered."""
         return sum(bool(request.servers) for request in self._requests)
 
     @abstractmethod

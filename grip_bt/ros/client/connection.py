@@ -93,7 +93,6 @@ class Connection(Closing):
 
     @property
     def domain_id(self) -> int:
-        """The DDS domain."""
         return int(self._context.get_domain_id())
 
     @property
@@ -177,7 +176,6 @@ class Connection(Closing):
 
     @property
     def closed(self) -> bool:
-        """Whether it was closed."""
         return self._closing
 
     # --- on its thread ---

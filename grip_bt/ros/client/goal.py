@@ -225,7 +225,6 @@ class Goal:
     # --- the owner, and time ---
 
     def cancel(self, now: float) -> list[Command]:
-        """The owner wants it to stop."""
         return self._stop(now) if self._cancel_since is None and self.phase in LIVE else []
 
     def _stop(self, now: float) -> list[Command]:
@@ -236,13 +235,11 @@ class Goal:
         return self._ask_again(now)
 
     def close(self, now: float) -> list[Command]:
-        """The connection is being closed."""
         if self.phase in LIVE:
             return [*self._let_go(self._canceled("the connection to ROS was closed")), *self.tick(now)]
         return []
 
     def tick(self, now: float) -> list[Command]:
-        """Time has passed."""
         if self.phase in LIVE and self._cancel_since is None and now >= self._began + self.patience.result:
             what = "the server did not accept the goal" if self.phase is Phase.SENT else "no result"
             self._late = self._timed_out(what)

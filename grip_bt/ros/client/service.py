@@ -47,7 +47,6 @@ class ServiceClient(ServedClient[_Call]):
 
     @property
     def in_flight(self) -> bool:
-        """Whether a call is under way."""
         return any(call.servers for call in list(self._requests))
 
     @property

@@ -71,8 +71,6 @@ class TopicReader(Client[Request]):
         return self._bus.post(start)
 
     def ignore(self, callback: Callable[[Received], None]) -> None:
-        """Take back a `listen`."""
-
         def stop() -> None:
             if callback in self._listeners:
                 self._listeners.remove(callback)

@@ -34,7 +34,6 @@ class InterfaceType(type):
     """The class of messages, or what names those of a service or an action; for annotations alone."""
 
     def __call__(cls, **fields: object) -> Message:
-        """Make a message."""
         raise NotImplementedError
 
     def __getattr__(cls, name: str) -> Any:

@@ -118,7 +118,6 @@ class ControlledHand:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints of the hand."""
         return self._executor.joint_names
 
     def state(self) -> JointState:
@@ -163,5 +162,4 @@ class ControlledHand:
         return {name: float(e) for name, e, s in zip(state.names, efforts, short, strict=True) if s}
 
     def stop(self) -> None:
-        """Hold the fingers where they are."""
         self._executor.stop()

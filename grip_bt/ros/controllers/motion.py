@@ -51,7 +51,6 @@ class MovedJoints:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints that it moves."""
         return self._names
 
     def state(self) -> JointState:

@@ -58,20 +58,16 @@ class StreamedMotion:
         self._left.wait(1.0)
 
     def leave(self) -> None:
-        """Say that nothing more is sent."""
         self.over = True
         self._left.set()
 
     def begin(self) -> None:
-        """Count the time from now on."""
         self._began = time.monotonic()
 
     def passed(self) -> float:
-        """Return for how long it has been streamed [s]."""
         return 0.0 if self._began is None else time.monotonic() - self._began
 
     def at(self, time: float) -> np.ndarray:
-        """Return the positions at a time [s], shape (n,)."""
         with self._lock:
             return self.trajectory.at(time)
 
@@ -132,7 +128,6 @@ class StreamedExecutor(RosExecutor):
         return way is not None and way.amend(tail, at)
 
     def execute_steered(self, trajectory: Trajectory) -> Operation[JointState]:
-        """See `ports.Steerable`; all motions can be changed."""
         return self.execute(trajectory)
 
     def _begin(self, trajectory: Trajectory) -> Operation[None]:

@@ -55,7 +55,6 @@ class TopicTouch:
         self._slips = {link: _Signal(bus, each, stale) for link, each in config.slips.items()}
 
     def contacts(self) -> Mapping[str, float]:
-        """Return link -> contact force [N]."""
         return _lengths(self._contacts) if self._contacts else self._hand.contacts()
 
     def slips(self) -> Mapping[str, float]:

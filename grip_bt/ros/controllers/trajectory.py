@@ -62,7 +62,6 @@ class TrajectoryExecutor(ActionExecutor):
 
     @property
     def steerable(self) -> bool:
-        """Whether the controller's topic is heard."""
         return self._writer.listeners() > 0
 
     def execute_steered(self, trajectory: Trajectory) -> Operation[JointState]:
@@ -70,7 +69,6 @@ class TrajectoryExecutor(ActionExecutor):
         return run_steps(self._streamed(trajectory))
 
     def stop(self) -> None:
-        """See `ports.Executor`."""
         super().stop()
         self._stream.stop()
 

@@ -43,7 +43,6 @@ class Built:
 
     @property
     def cached(self) -> bool:
-        """Whether it had been built before."""
         return self.seconds == 0
 
 

@@ -48,7 +48,6 @@ class Generated:
 
     @property
     def interfaces(self) -> list[str]:
-        """The .idl files as the generators are given them."""
         return [f"{self.folder / 'idl' / self.package.name}:{f.as_posix()}" for f in self.idl]
 
     @property
@@ -57,7 +56,6 @@ class Generated:
         return [str(prefix / "share" / package) for package, prefix in self.depends.items()]
 
     def sources(self, generator: str) -> list[Path]:
-        """Return the C and C++ files of one generator."""
         root = self.folder / generator
         return sorted(p for suffix in ("*.c", "*.cpp") for p in root.rglob(suffix))
 

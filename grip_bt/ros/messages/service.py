@@ -239,7 +239,6 @@ class RosMessages:
         return self._call("get", "GetMessage", refusal, store=store, name=name).then(entry)
 
     def names(self, store: str) -> Operation[tuple[str, ...]]:
-        """Return the names in a store."""
         answer = self._call("list", "ListMessages", store=store)
         return answer.then(lambda answer: Operation.finished(tuple(entry.name for entry in answer.entries)))
 
@@ -248,7 +247,6 @@ class RosMessages:
         return self._call("list", "ListMessages", store="")
 
     def delete(self, store: str, name: str) -> Operation[None]:
-        """Remove an entry."""
         return self._call("delete", "DeleteMessage", store=store, name=name).then(_nothing)
 
     def reset(self, store: str = "") -> Operation[None]:

@@ -110,7 +110,6 @@ class MoveGroupPlanner(Closing):
         return Plan(situation.group, trajectory, MOVE_GROUP, time.monotonic() - begin)
 
     def show(self, situation: Situation) -> Steps[None]:
-        """Send what changed in the scene."""
         yield from self._scene.show(situation.scene)
 
     def free(self, request: PlanTo) -> Steps[Trajectory]:
