@@ -46,8 +46,15 @@ VERBS = {
     "help": "show how a verb is used, or `all` verbs",
 }
 """What each does, for the list of them; its module is loaded when the verb is named."""
-FIRST = ("demo", "new", "edit", "run", "check", "import", "bench", "docs", "doctor")
+FIRST = ("demo", "new", "edit", "run", "check", "import", "bench", "doctor")
 """What a newcomer is shown."""
+GROUPS = {
+    "to begin": ("demo", "new", "docs", "doctor", "completion", "help"),
+    "tasks": ("edit", "check", "run", "import", "convert", "fmt", "apply"),
+    "what happened, and how often it works": ("runs", "replay", "bench"),
+    "robots and worlds": ("robot", "world", "object", "teach"),
+    "other software, by ROS 2": ("component", "interfaces", "launch", "messages", "sim", "serve"),
+}
 _MODULES = {
     "import": "import_",
     **dict.fromkeys(("new", "edit"), "project"),
@@ -64,11 +71,13 @@ _MODULES = {
 def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> argparse.ArgumentParser:
     """Return the command's parser with all verbs, of which some are shown, and the options of the one that is named."""
     about = "Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine."
-    more = "`grip help all` lists all verbs, `grip help VERB` and `grip VERB --help` say how one is used."
+    more = (
+        "`grip help all` lists all verbs, `grip help VERB` says how one is used, `grip docs` opens the documentation."
+    )
     more += " Exit status: 0 done, 1 wrong input, 2 usage, 3 a task failed, 4 error in a node or process, 130 stopped."
-    parser = Parser(prog="grip", description=about, epilog=more)
+    parser = Parser(prog="grip", usage="grip [-h] [--version] VERB ...", description=about, epilog=more)
     parser.add_argument("--version", action="version", version=f"grip {__version__}")
-    subparsers = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
+    subparsers = parser.add_subparsers(prog="grip", metavar="VERB", required=True, help=argparse.SUPPRESS)
     named = next((word for word in words if not word.startswith("-")), None)
     for verb, doc in VERBS.items():
         options = subparsers.add_parser(verb, help=doc) if verb in shown else subparsers.add_parser(verb)
@@ -79,6 +88,10 @@ def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> ar
             options.add_argument("-q", "--quiet", action="store_true", help="print results and errors only")
             loud = "also print what is logged, and where an error was raised"
             options.add_argument("-v", "--verbose", action="store_true", help=loud)
+    listed = {line.dest: line for line in subparsers._choices_actions}
+    for title, verbs in GROUPS.items():
+        parser.add_argument_group(title)._group_actions = [listed[verb] for verb in verbs if verb in listed]
+    subparsers._choices_actions = []
     return parser
 
 

@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from grip_bt.cli.__main__ import main
-from grip_bt.cli.shell import FIRST, VERBS
+from grip_bt.cli.shell import FIRST, GROUPS, VERBS
 
 
 def shown(capsys, *words):
@@ -21,10 +21,12 @@ def shown(capsys, *words):
 
 def test_help_lists_what_matters_and_all_of_it_when_asked(capsys):
     first, everything = shown(capsys, "--help"), shown(capsys, "help", "all")
-    assert all(f"\n    {verb}" in first for verb in FIRST)
-    assert not [verb for verb in VERBS if verb not in FIRST and f"\n    {verb}" in first]
+    assert all(f"\n  {verb}" in first for verb in FIRST)
+    assert not [verb for verb in VERBS if verb not in FIRST and f"\n  {verb}" in first]
     assert "grip help all" in first
-    assert all(f"\n    {verb}" in everything for verb in VERBS)
+    assert all(f"\n  {verb}" in everything for verb in VERBS)
+    assert all(f"\n{title}:\n" in everything for title in GROUPS)
+    assert len(FIRST) == 8
     assert shown(capsys, "help") == shown(capsys) == first
 
 
