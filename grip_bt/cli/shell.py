@@ -71,9 +71,7 @@ _MODULES = {
 def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> argparse.ArgumentParser:
     """Return the command's parser with all verbs, of which some are shown, and the options of the one that is named."""
     about = "Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine."
-    more = (
-        "`grip help all` lists all verbs, `grip help VERB` says how one is used, `grip docs` opens the manual."
-    )
+    more = "`grip help all` lists all verbs, `grip help VERB` says how one is used, `grip docs` opens the manual."
     more += " Exit status: 0 done, 1 wrong input, 2 usage, 3 a task failed, 4 error in a node or process, 130 stopped."
     parser = Parser(prog="grip", usage="grip [-h] [--version] VERB ...", description=about, epilog=more)
     parser.add_argument("--version", action="version", version=f"grip {__version__}")
