@@ -9,7 +9,6 @@ import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { OthersRing } from "../Presence";
 import { NodeSub } from "../TreeNode";
-import { useForm } from "../edit/EditBar";
 import { HoldMark, lensMark, ProblemMark } from "../marks";
 import { KindIcon, PhaseIcon } from "../icons";
 
@@ -22,7 +21,6 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
   const status = useRun((s) => s.moment.nodes.get(node.path) ?? IDLE);
   const selected = usePage((s) => s.marked.has(node.path));
   const lens = usePage((s) => s.lens);
-  const form = useForm(node.path);
   const open = usePage((s) => s.opened.has(node.path));
   const places = data["ports"] as ReadonlyMap<string, Point> | null;
   const entry = places?.get("")?.y ?? LEAD;
@@ -38,7 +36,6 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
         <HoldMark path={node.path} />
         <ProblemMark path={node.path} />
         {lensMark(node, lens)}
-        {form && !form.both && <span className="form-badge" title={form.reason}>~</span>}
       </div>
       <div className="flow-sub" style={{ paddingInlineEnd: freeWidth(item.ports) }}>
         <NodeSub node={node} what={subtitleOf(node)} />
