@@ -716,7 +716,6 @@ export interface StartRun {
   pace: number | null;
   mocks: Record<string, string>;
   task: string;
-  begin_at: string;
   run_to: string;
   page: string;
 }
