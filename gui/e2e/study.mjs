@@ -1,5 +1,6 @@
 // The user study's tasks from an empty project, as a person goes through them: what they do is counted, and how long the page takes for it.
 // study.mjs URL FOLDER TASKS; beside the folder lies `lab`, which tests/gui/study_world.py wrote; STUDY_OUT is where pictures and transcripts go.
+// With `keys` after them, all is done by keys alone, and the keys are counted.
 import assert from "node:assert/strict";
 import { appendFileSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -7,7 +8,7 @@ import { join } from "node:path";
 import { check } from "./axe.mjs";
 import { eventually, onPage, rest, url } from "./page.mjs";
 
-const [folder, wanted] = rest;
+const [folder, wanted, keys] = rest;
 const out = process.env.STUDY_OUT;
 const TITLES = {
   1: "a UR5 by its MoveIt package, between two recorded joint states",
@@ -18,10 +19,11 @@ const TITLES = {
 const BUDGETS = { 1: 12, 2: 6, 3: 35, 4: 40 };
 const file = (path) => readFileSync(join(folder, path), "utf8");
 
-/** A person at the page: does things, one action each, and says what they see. */
+/** A person at the page: does things, one action each, and says what they see. `hands` is how: by mouse and keys, or by keys alone. */
 function person(page, task) {
   const steps = [];
   const begun = performance.now();
+  const hands = keys ? keyboard(page) : mouse(page);
   let waited = 0;
   async function act(words, work, until) {
     const start = performance.now();
@@ -30,21 +32,23 @@ function person(page, task) {
     const took = performance.now() - start;
     waited += took;
     steps.push({ words, seconds: took / 1000 });
-    if (process.env.TELL) console.log(`${steps.length}. ${words} (${(took / 1000).toFixed(1)} s)`);
+    if (process.env.TELL) console.log(`${steps.length}. ${words} (${(took / 1000).toFixed(1)} s)${hands.pressed ? `, ${hands.pressed()} keys so far` : ""}`);
   }
   return {
     act,
-    press: (words, what, until) => act(words, () => what.click(), until),
+    press: (words, what, until) => act(words, () => hands.press(what), until),
     /** Type into a field and press Enter. */
-    fill: (words, what, text, until) => act(words, async () => (await what.fill(text), await what.press("Enter")), until),
+    fill: (words, what, text, until) => act(words, () => hands.fill(what, text), until),
     /** Move a slider. */
-    slide: (words, what, value, until) => act(words, () => what.fill(String(value)), until),
-    choose: (words, what, value, until) => act(words, () => what.selectOption(value), until),
-    key: (words, key, until) => act(words, () => page.keyboard.press(key), until),
-    /** Type where the focus is, then Enter. */
-    type: (words, text, until) => act(words, async () => (await page.keyboard.type(text), await page.keyboard.press("Enter")), until),
+    slide: (words, what, value, until) => act(words, () => hands.slide(what, value), until),
+    choose: (words, what, value, until) => act(words, () => hands.choose(what, value), until),
+    /** Select a node in the outline. */
+    select: (name, until) => act(`select ${name}`, () => hands.select(name), until),
+    /** Move what lies in the world from above: by so much on the screen, or by an arrow key until `there`. */
+    move: (words, what, by, arrow, there) => act(words, () => hands.move(what, by, arrow, there), () => there.waitFor()),
+    key: (words, key, until) => act(words, () => hands.key(key), until),
     see: async (name, words) => {
-      if (!out) return;
+      if (!out || keys) return;
       mkdirSync(out, { recursive: true });
       const shot = await page.screenshot();
       if (process.env.SHOTS) writeFileSync(join(out, `task${task}_${name}.png`), shot);
@@ -55,10 +59,93 @@ function person(page, task) {
       const actions = steps.filter((step) => !step.picture).length;
       const budget = BUDGETS[task];
       const walk = { task, actions, budget, page_seconds: waited / 1000, seconds: (performance.now() - begun) / 1000, steps };
-      console.log(JSON.stringify({ ...walk, steps: undefined }));
-      if (out) writeFileSync(join(out, `task${task}.md`), transcript(walk));
+      console.log(JSON.stringify({ ...walk, steps: undefined, ...hands.counted?.() }));
+      if (out && !keys) writeFileSync(join(out, `task${task}.md`), transcript(walk));
       assert.ok(actions <= budget, `task ${task}: ${actions} actions, of ${budget}`);
     },
+  };
+}
+
+function mouse(page) {
+  return {
+    press: (what) => what.click(),
+    fill: async (what, text) => (await what.fill(text), await what.press("Enter")),
+    slide: (what, value) => what.fill(String(value)),
+    choose: (what, value) => what.selectOption(value),
+    select: (name) => page.getByRole("treeitem", { name: new RegExp(`^${name} `) }).click(),
+    key: (key) => page.keyboard.press(key),
+    move: async (what, [right, down]) => {
+      const { x, y, width, height } = await what.boundingBox();
+      await page.mouse.move(x + width / 4, y + height / 4);
+      await page.mouse.down();
+      await page.mouse.move(x + width / 4 + right, y + height / 4 + down, { steps: 5 });
+      await page.mouse.up();
+    },
+  };
+}
+
+/** Nothing but keys: the focus goes through the page by Tab and by F6, as a person without a mouse has to. */
+function keyboard(page) {
+  const counts = { keys: 0, tabs: 0, letters: 0 };
+  const press = async (key) => {
+    counts.keys++;
+    if (/Tab$/.test(key)) counts.tabs++;
+    await page.keyboard.press(key);
+  };
+  const type = async (text) => {
+    counts.keys += text.length;
+    counts.letters += text.length;
+    await page.keyboard.type(text);
+  };
+  /** Where the focus is, seen from what is wanted. */
+  const seen = (what) =>
+    what.evaluate((element) => {
+      const at = document.activeElement;
+      if (at === element) return "there";
+      return at && at !== document.body && at.compareDocumentPosition(element) & Node.DOCUMENT_POSITION_PRECEDING ? "before" : "after";
+    });
+  /** Go to something by Tab, back by Shift+Tab. */
+  async function reach(what) {
+    await what.waitFor();
+    for (let times = 0; times < 400; times++) {
+      const where = await seen(what);
+      if (where === "there") return;
+      await press(where === "before" ? "Shift+Tab" : "Tab");
+    }
+    assert.fail(`no number of Tabs leads to ${what}; the focus is on ${await page.evaluate(() => document.activeElement?.outerHTML.slice(0, 200))}`);
+  }
+  return {
+    press: async (what) => (await reach(what), await press("Enter")),
+    fill: async (what, text) => (await reach(what), await press("Control+a"), await type(text), await press("Enter")),
+    slide: async (what, value) => {
+      await reach(what);
+      for (let times = 0; times < 400; times++) {
+        const now = Number(await what.inputValue());
+        const step = Number(await what.getAttribute("step"));
+        if (Math.abs(now - value) <= step / 2 + 1e-9) return;
+        await press(Math.abs(now - value) < 12 * step ? (now < value ? "ArrowRight" : "ArrowLeft") : now < value ? "PageUp" : "PageDown");
+      }
+    },
+    /** A list of choices opens by a key; letters find in it, Enter takes. */
+    choose: async (what, value) => (await reach(what), await press("Alt+ArrowDown"), await type(value), await press("Enter")),
+    select: async (name) => {
+      const row = page.getByRole("treeitem", { name: new RegExp(`^${name} `) });
+      const inTree = () => page.evaluate(() => document.activeElement?.getAttribute("role") === "treeitem");
+      for (let times = 0; times < 12 && !(await inTree()); times++) await press("F6");
+      for (let times = 0; times < 100 && (await seen(row)) !== "there"; times++) await press((await seen(row)) === "before" ? "ArrowUp" : "ArrowDown");
+      assert.equal(await seen(row), "there", `arrow keys lead to ${name}`);
+    },
+    key: press,
+    move: async (what, _, arrow, there) => {
+      await reach(what);
+      for (let times = 0; times < 100 && (await there.count()) === 0; times++) {
+        const before = await page.evaluate(() => document.activeElement?.getAttribute("aria-label"));
+        await press(arrow);
+        await eventually(() => page.evaluate(() => document.activeElement?.getAttribute("aria-label")), (now) => now !== before, `${arrow} moves it`);
+      }
+    },
+    pressed: () => counts.keys,
+    counted: () => counts,
   };
 }
 
@@ -161,7 +248,7 @@ const walks = {
   /** The arm with the hand by their launch file; a can is picked and placed through kept positions. */
   async 3(page, words) {
     const me = person(page, 3);
-    const { button, nodeIs, pick } = words;
+    const { button, nodeIs } = words;
     await takeRobot(page, me, words, ["lab", "src", "lab_bringup", "launch"], "ur10_shadow.launch.xml");
     // The laboratory's notes say where the hand takes the can: here they are what the first task says.
     const [x, y, z, ...turned] = /position: \[(.*?)\], quaternion: \[(.*?)\]/.exec(file("tasks/take.yaml")).slice(1).flatMap((each) => each.split(",").map(Number));
@@ -183,7 +270,7 @@ const walks = {
     await check(page, "a hand is moved");
     await me.press("press New task through the kept positions", button("New task through the kept positions"), () => nodeIs("arm_away", "not started"));
     const add = async (after, node) => {
-      await me.act(`select ${after}`, () => pick(after));
+      await me.select(after);
       await me.key("press /", "/", () => page.getByRole("dialog").locator("input").waitFor());
       await me.fill(`type ${node}`, page.getByRole("dialog").locator("input"), node, () => page.getByRole("dialog").waitFor({ state: "detached" }));
     };
@@ -197,13 +284,8 @@ const walks = {
     const can = await page.getByRole("button", { name: /^can at/ }).boundingBox();
     const box = await tray.boundingBox();
     const scale = (await page.getByRole("button", { name: /^bench at/ }).locator("rect").boundingBox()).width / 1.2; // the bench is so wide [m]
-    await me.act("drag the tray to where the can shall stand", async () => {
-      await page.mouse.move(box.x + box.width / 4, box.y + box.height / 4);
-      await page.mouse.down();
-      const aside = can.x + can.width / 2 + 0.25 * scale - (box.x + box.width / 2);
-      await page.mouse.move(box.x + box.width / 4 + aside, box.y + box.height / 4, { steps: 5 });
-      await page.mouse.up();
-    }, () => page.getByRole("button", { name: /^tray at 0\.\d+, -0\.1[0-9]/ }).waitFor());
+    const aside = can.x + can.width / 2 + 0.25 * scale - (box.x + box.width / 2);
+    await me.move("drag the tray to where the can shall stand", tray, [aside, 0], "ArrowRight", page.getByRole("button", { name: /^tray at 0\.\d+, -0\.1[0-9]/ }));
     await check(page, "a world from above");
     await me.see("world", "The tray, put there by mouse.");
     await me.key("press Ctrl+S", "Control+s", () => words.fileIs("saved"));
@@ -217,7 +299,7 @@ const walks = {
   /** A Kinect 2 by its topics, a grasp algorithm by its repository; a block that somebody has moved is found, taken and placed. */
   async 4(page, words) {
     const me = person(page, 4);
-    const { button, nodeIs, pick } = words;
+    const { button, nodeIs } = words;
     const pressNamed = (name, until) => me.press(`press ${name}`, page.getByRole("button", { name: new RegExp(`^${name}`) }).first(), until);
     await me.press("press Take a robot", door(page, "Take a robot"), () => page.getByLabel("Search the robots").waitFor());
     await me.press("choose panda", page.getByRole("list", { name: "Ready-made robots" }).getByRole("button", { name: "panda The", exact: false }), () => page.getByRole("application").waitFor());
@@ -248,11 +330,11 @@ const walks = {
     await me.press("press Open the first task", button("Open the first task"), () => nodeIs("held", "not started"));
     const dialog = page.getByRole("dialog").locator("input");
     const closed = () => page.getByRole("dialog").waitFor({ state: "detached" });
-    await me.act("select look", () => pick("look"));
+    await me.select("look");
     await me.press("press Change", page.getByRole("button", { name: "Change", exact: true }), () => dialog.waitFor());
     await me.fill("type sensor/kinect2", dialog, "sensor/kinect2", closed);
     const add = async (after, what) => {
-      await me.act(`select ${after}`, () => pick(after));
+      await me.select(after);
       await me.key("press /", "/", () => dialog.waitFor());
       await me.fill(`type ${what}`, dialog, what, closed);
     };
@@ -264,13 +346,7 @@ const walks = {
     await me.press("press Project", button("Project"), () => page.getByRole("button", { name: /^World bench/ }).waitFor());
     await me.press("press World bench", page.getByRole("button", { name: /^World bench/ }), () => page.getByRole("group", { name: "The world from above" }).waitFor());
     await me.choose("insert a region to place into", page.getByLabel("Insert a template"), "a region to place into", () => page.getByRole("button", { name: /^tray at/ }).waitFor());
-    const block = await page.getByRole("button", { name: /^block at/ }).boundingBox();
-    await me.act("drag the block elsewhere", async () => {
-      await page.mouse.move(block.x + block.width / 2, block.y + block.height / 2);
-      await page.mouse.down();
-      await page.mouse.move(block.x + block.width / 2 + 30, block.y + block.height / 2 - 25, { steps: 5 });
-      await page.mouse.up();
-    }, () => eventually(() => page.getByRole("button", { name: /^block at/ }).getAttribute("aria-label"), (label) => !label.startsWith("block at 0.45, 0.10")));
+    await me.move("drag the block elsewhere", page.getByRole("button", { name: /^block at/ }), [30, -25], "ArrowRight", page.getByRole("button", { name: /^block at (?!0\.45, 0\.10)/ }));
     await me.key("press Ctrl+S", "Control+s", () => words.fileIs("saved"));
     await me.press("press Tasks", button("Tasks"), () => button("Run").waitFor());
     judged("take");

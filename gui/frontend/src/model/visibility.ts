@@ -40,29 +40,34 @@ export function touches(points: readonly Point[], area: Area): boolean {
   });
 }
 
-/** So many lines of one parent that only pass through an area stand for all that do: they lie over one another. */
-const BUNDLE = 48;
+/** With more children than these a parent has a trunk, on which they hang: as many curves are a grey area, which nobody follows. */
+const TRUNK = 24;
 
 /** The lines from parents to children that touch an area, as one SVG path. */
 export function linesIn(area: Area, nodes: readonly NodeView[], boxes: ReadonlyMap<string, Box>): string {
   const parts: string[] = [];
-  const passing = new Map<Box, string[]>();
+  const trunks = new Map<string, { x: number; top: number; bottom: number }>();
   for (const node of nodes) {
     const to = boxes.get(node.path);
+    if (to === undefined) continue;
+    if (node.children.length > TRUNK) trunks.set(node.path, { x: 0, top: to.y + LINE_AT, bottom: to.y + LINE_AT });
     const from = node.parent === null ? undefined : boxes.get(node.parent);
-    if (to === undefined || from === undefined) continue;
+    if (from === undefined) continue;
     const x1 = from.x + from.width;
     const y1 = from.y + LINE_AT;
     const y2 = to.y + LINE_AT;
-    if (x1 > area.right || to.x < area.left || Math.min(y1, y2) > area.bottom || Math.max(y1, y2) < area.top) continue;
     const middle = (x1 + to.x) / 2;
-    const line = `M${x1} ${y1}C${middle} ${y1} ${middle} ${y2} ${to.x} ${y2}`;
-    if (y2 >= area.top && y2 <= area.bottom) parts.push(line);
-    else if (!passing.get(from)?.push(line)) passing.set(from, [line]);
+    const trunk = trunks.get(node.parent as string);
+    if (trunk) Object.assign(trunk, { x: middle, top: Math.min(trunk.top, y2), bottom: Math.max(trunk.bottom, y2) });
+    if (x1 > area.right || to.x < area.left || Math.min(y1, y2) > area.bottom || Math.max(y1, y2) < area.top) continue;
+    if (!trunk) parts.push(`M${x1} ${y1}C${middle} ${y1} ${middle} ${y2} ${to.x} ${y2}`);
+    else if (y2 >= area.top && y2 <= area.bottom) parts.push(`M${middle} ${y2}H${to.x}`);
   }
-  for (const lines of passing.values()) {
-    const step = Math.ceil(lines.length / BUNDLE);
-    parts.push(...lines.filter((_, at) => at % step === 0));
+  for (const [path, { x, top, bottom }] of trunks) {
+    const from = boxes.get(path) as Box;
+    const [low, high] = [Math.max(top, area.top), Math.min(bottom, area.bottom)];
+    if (top === bottom || low > high || x < area.left || from.x > area.right) continue;
+    parts.push(`M${x} ${low}V${high}M${from.x + from.width} ${from.y + LINE_AT}H${x}`);
   }
   return parts.join("");
 }

@@ -31,7 +31,7 @@ export interface Sight {
   readonly real: ReadonlySet<string>;
   /** What the style sheet has to know: elements over a sketch leave the pointer to it, so that a drag moves the drawing. */
   readonly look: string;
-  /** What is sketched at a place of the screen. */
+  /** What is sketched, or open, at a place of the screen where no element takes the pointer. */
   at(event: { clientX: number; clientY: number }): string | null;
   /** Something is dragged here, or isn't any more. */
   dragged(event: { clientX: number; clientY: number } | null): void;
@@ -50,7 +50,7 @@ export function useSight(boxes: ReadonlyMap<string, Box>): Sight {
   const at: Sight["at"] = ({ clientX, clientY }) => {
     const { x, y } = screenToFlowPosition({ x: clientX, y: clientY });
     let found: string | null = null;
-    for (const id of sketched ? inside : []) {
+    for (const id of inside) {
       const box = boxes.get(id) as Box;
       // The last one: what stands in a box comes after it.
       if (x >= box.x && x <= box.x + box.width && y >= box.y && y <= box.y + box.height) found = id;
@@ -96,6 +96,8 @@ interface SketchProps {
   readonly faceOf: (id: string) => Face | undefined;
 }
 
+/** A box is sketched at least so wide [px]: of a long flat tree nothing else would be seen. */
+const LEAST = 6;
 /** So many dots has a sketch in a row or a column at most. */
 const MOST_DOTS = 4096;
 
@@ -136,7 +138,8 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
     for (const stroke of sketched ? [] : strokes) draw(pen, stroke, color, 1);
     if (!sketched) return;
     const box = (id: string, fill: string, border: string, wide: number): void => {
-      const { x, y, width, height } = boxes.get(id) as Box;
+      const { x, y, width: own, height } = boxes.get(id) as Box;
+      const width = Math.max(own, LEAST * line);
       pen.fillStyle = color(border);
       pen.fillRect(x, y, width, height);
       if (height * zoom < 4 * wide) return;
@@ -147,7 +150,8 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
     for (const [id, face] of faces) if (face?.shape === "open") box(id, "sunken", "line-strong", 1);
     // From very far lines are many to a dot: they grow thin, and boxes stay in sight.
     for (const stroke of strokes) draw(pen, stroke, color, line * Math.min(1, zoom / NAMED));
-    for (const [id, face, phase] of faces) {
+    // Where several lie on one dot, what has happened is seen.
+    for (const [id, face, phase] of [...faces.filter(([, , phase]) => phase === "idle"), ...faces.filter(([, , phase]) => phase !== "idle")]) {
       if (face === undefined || face.shape === "open") continue;
       const told = face.shape === "end" ? (face.meaning ?? "") : phase;
       if (face.shape === "start") box(id, "text", "text", 1);
@@ -265,8 +269,8 @@ function seesAll({ transform: [x, y, zoom], width, height }: ReactFlowState, box
 
 const WIDTH = 140;
 const HEIGHT = 96;
-/** Beyond this many times as long as it is wide, a drawing is drawn shorter in the map. */
-const LONG = 4;
+/** However long a drawing is, its other side takes this part of the map at least. */
+const LEAST_PART = 0.3;
 
 /** The whole drawing in the corner, and what of it is in sight. A press goes there. One that is very long is drawn shorter. */
 export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.Element | null {
@@ -276,9 +280,9 @@ export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.El
   const small = useStore((s) => seesAll(s, boxes));
   const { left, top, across, down } = useMemo(() => {
     const all = extent(boxes.values());
-    const [wide, high] = [(all.right - all.left) / WIDTH, (all.bottom - all.top) / HEIGHT];
+    const [wide, high] = [Math.max(1, all.right - all.left) / WIDTH, Math.max(1, all.bottom - all.top) / HEIGHT];
     const most = Math.max(wide, high, 1);
-    const [across, down] = [wide, high].map((each) => (each > most / LONG ? most : Math.max(each, most / LONG / LONG))) as [number, number];
+    const [across, down] = [wide, high].map((each) => Math.min(most, each / LEAST_PART)) as [number, number];
     return { across, down, left: (all.left + all.right - WIDTH * across) / 2, top: (all.top + all.bottom - HEIGHT * down) / 2 };
   }, [boxes]);
   useLayoutEffect(() => {

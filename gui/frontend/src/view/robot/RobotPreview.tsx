@@ -176,13 +176,16 @@ function Reach({ view, hand, joints, set }: { view: GeometryView; hand: string; 
   }, [view, hand]);
   const now = useMemo(() => arm?.where(joints), [arm, joints]);
   const [fault, setFault] = useState("");
-  function go(part: "position" | "turn", text: string): void {
-    if (arm === null || now === undefined || text === said(now[part])) return;
+  /** Returns whether it could be read. */
+  function go(part: "position" | "turn", text: string): boolean {
+    if (arm === null || now === undefined || text === said(now[part])) return true;
     const numbers = read(text);
-    if (numbers === null) return setFault("Three numbers, such as 0.4, 0, 0.3.");
+    if (numbers === null) setFault("Three numbers, such as 0.4, 0, 0.3.");
+    if (numbers === null) return false;
     const found = arm.reach({ ...now, [part]: numbers }, joints);
     set(found.joints);
     setFault(isNear(found) ? "" : `It doesn't get there: ${found.off[0].toFixed(3)} m and ${found.off[1].toFixed(2)} rad are left.`);
+    return true;
   }
   if (now === undefined) return <></>;
   return (
@@ -191,10 +194,19 @@ function Reach({ view, hand, joints, set }: { view: GeometryView; hand: string; 
       {(["position", "turn"] as const).map((part) => (
         <label key={part}>
           <span>{part === "position" ? "x, y, z [m]" : "roll, pitch, yaw [rad]"}</span>
-          <input type="text" key={said(now[part])} aria-label={part === "position" ? `Position of ${hand}` : `Orientation of ${hand}`} defaultValue={said(now[part])} onBlur={(event) => go(part, event.target.value)} onKeyDown={(event) => event.key === "Enter" && go(part, event.currentTarget.value)} />
+          <Numbers label={part === "position" ? `Position of ${hand}` : `Orientation of ${hand}`} now={said(now[part])} go={(text) => go(part, text)} />
         </label>
       ))}
       {fault && <p className="doubt" role="alert">{fault}</p>}
     </fieldset>
   );
+}
+
+/** Where something is, until somebody types; Enter, or going elsewhere, moves it there. */
+function Numbers({ label, now, go }: { label: string; now: string; go: (text: string) => boolean }): JSX.Element {
+  const [typed, setTyped] = useState<string | null>(null);
+  function commit(): void {
+    if (typed !== null && go(typed)) setTyped(null);
+  }
+  return <input type="text" aria-label={label} value={typed ?? now} onChange={(event) => setTyped(event.target.value)} onBlur={commit} onKeyDown={(event) => event.key === "Enter" && commit()} />;
 }

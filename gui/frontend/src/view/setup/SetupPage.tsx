@@ -1,6 +1,6 @@
 /** The files that put a project together: a list, the open one as a form, and as text beside it. */
 import "./setup.css";
-import { type JSX, lazy, Suspense, useEffect, useState } from "react";
+import { type JSX, type KeyboardEvent as KeyPress, lazy, Suspense, useEffect, useState } from "react";
 
 import { formKind, freeName, type Shape, shapeAt, valueAt } from "../../model/shapes";
 import type { SetupView, Template } from "../../protocol/generated";
@@ -225,13 +225,20 @@ function Templates({ view }: { view: SetupView }): JSX.Element | null {
     }, template.value);
   }
   return (
-    <select aria-label="Insert a template" value="" onChange={(event) => view.templates.filter((each) => each.title === event.target.value).forEach(insert)}>
+    <select aria-label="Insert a template" value="" onKeyDown={openFirst} onChange={(event) => view.templates.filter((each) => each.title === event.target.value).forEach(insert)}>
       <option value="">Insert ...</option>
       {view.templates.map((template) => (
         <option key={template.title}>{template.title}</option>
       ))}
     </select>
   );
+}
+
+/** A letter or an arrow would take the first choice that fits, at once: the list opens, where letters find and Enter takes. */
+function openFirst(event: KeyPress<HTMLSelectElement>): void {
+  if (event.ctrlKey || event.metaKey || event.altKey || (event.key.length > 1 && !event.key.startsWith("Arrow"))) return;
+  event.preventDefault();
+  event.currentTarget.showPicker();
 }
 
 function Tried(): JSX.Element | null {
