@@ -28,11 +28,13 @@ async function zoomTo(page, { x, y, width, height }, zoom) {
 
 /** Open a task with all its containers; the whole of it is shown. */
 async function unfold(page, { button, choose, answer }, task, view) {
-  await choose("Task", task);
-  await page.waitForFunction((name) => document.title.startsWith(name), task.replace(/^.*\/|\.yaml$/g, ""));
+  const name = task.replace(/^.*\/|\.yaml$/g, "");
+  if (!(await page.title()).startsWith(name)) await choose("Task", task);
+  await page.waitForFunction((name) => document.title.startsWith(name), name);
   await button(view).click();
   await page.keyboard.press("Control+k");
   await answer("Unfold everything");
+  await page.getByRole("treeitem").nth(30).waitFor({ state: "attached" });
   await page.locator(view === "Flow" ? ".flow .react-flow" : ".react-flow:not(.flow *)").waitFor();
   await page.locator('.flow[aria-busy="true"]').waitFor({ state: "detached" });
   await page.getByRole("button", { name: "Fit View" }).click();
@@ -85,11 +87,11 @@ async function figures(page, words) {
       const whole = await scaleOf(page);
       for (const [name, zoom] of [["near", 0.8], ["nearly read", 0.65], ["by name", 0.5], ["at a distance", 0.35], ["as a sketch", 0.25], ["far", 0.12], ["as a whole", whole]]) {
         if (zoom < whole) continue;
+        await zoomTo(page, box, zoom);
+        if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `${task.replace(/^.*\/|\.yaml$/g, "")}-${view}-${name.replaceAll(" ", "_")}.png`) });
         await empty.bringToFront();
         const blank = await panned(empty, box);
         await page.bringToFront();
-        await zoomTo(page, box, zoom);
-        if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `${task.replace(/^.*\/|\.yaml$/g, "")}-${view}-${name.replaceAll(" ", "_")}.png`) });
         const moved = await page.locator(".react-flow__viewport").getAttribute("style");
         const fps = await panned(page, box);
         assert.notEqual(await page.locator(".react-flow__viewport").getAttribute("style"), moved, "it has been moved");

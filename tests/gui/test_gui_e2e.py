@@ -235,7 +235,11 @@ def test_a_newcomer_comes_from_an_empty_folder_to_a_hand_that_holds_something(tm
 def test_the_user_study_is_done_within_its_actions(
     tmp_path: Path, tasks: str, domain: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With `STUDY_OUT`, a folder, transcripts and pictures are written there; `docs/study.md` is made of them."""
+    """Task 3 by keys alone.
+
+    With `STUDY_OUT`, a folder, all is done by mouse, and transcripts and pictures are written there, of which
+    `docs/study.md` is made.
+    """
     folder = tmp_path / "project"
     folder.mkdir()
     write_world(tmp_path / "lab")
@@ -245,7 +249,8 @@ def test_the_user_study_is_done_within_its_actions(
         subprocess.Popen([sys.executable, str(tmp_path / "lab" / "kinect2.py")]) as kinect,
         editing(folder) as (_, url),
     ):
-        command = browser("study.mjs", url, str(folder), tasks)
+        by_keys = ["keys"] if tasks == "3" and "STUDY_OUT" not in os.environ else []
+        command = browser("study.mjs", url, str(folder), tasks, *by_keys)
         done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
         kinect.terminate()
     assert done.returncode == 0, done.stdout + done.stderr

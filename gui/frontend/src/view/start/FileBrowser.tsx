@@ -1,5 +1,5 @@
 /** Folders and files of the machine that the server runs on, to be chosen from instead of typed. */
-import { type JSX, useEffect, useState } from "react";
+import { type JSX, useEffect, useRef, useState } from "react";
 
 import { server } from "../../protocol/client";
 import type { FolderView } from "../../protocol/generated";
@@ -37,6 +37,13 @@ export function FileBrowser({ fits, chosen, choose }: BrowserProps): JSX.Element
     );
   }
   useEffect(() => go(""), []);
+  // Who opens a folder by a key has the focus on what isn't there any more: it goes on in that folder.
+  const list = useRef<HTMLUListElement>(null);
+  const before = useRef<FolderView | null>(null);
+  useEffect(() => {
+    if (before.current !== null && document.activeElement === document.body) list.current?.focus();
+    before.current = view;
+  }, [view]);
   if (view === null) return <p className="hint" role="status">{error || "Looking ..."}</p>;
   const join = (name: string): string => `${view.at === "/" ? "" : view.at}/${name}`;
   const steps = view.at.split("/").filter(Boolean);
@@ -60,7 +67,7 @@ export function FileBrowser({ fits, chosen, choose }: BrowserProps): JSX.Element
           <span className="hint">{MARKS[view.kind]}</span>
         </p>
       )}
-      <ul className="plain scroll" tabIndex={0} aria-label={`What lies in ${here.name}`}>
+      <ul ref={list} className="plain scroll" tabIndex={0} aria-label={`What lies in ${here.name}`}>
         {view.above !== "" && (
           <li>
             <Row entry={{ name: "..", kind: "folder" }} pressed={false} press={() => go(view.above)} />
