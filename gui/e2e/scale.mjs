@@ -36,9 +36,14 @@ async function unfold(page, { button, choose, answer }, task, view) {
   await answer("Unfold everything");
   await page.getByRole("treeitem").nth(30).waitFor({ state: "attached" });
   await page.locator(view === "Flow" ? ".flow .react-flow" : ".react-flow:not(.flow *)").waitFor();
-  await page.locator('.flow[aria-busy="true"]').waitFor({ state: "detached" });
-  await page.getByRole("button", { name: "Fit View" }).click();
-  await zoomTo(page, { x: 0, y: 0, width: 0, height: 0 }, await scaleOf(page)); // until it stands still
+  // The chart of before stays until the new one is laid out: fitted again, it stays as it is.
+  let last = [];
+  await eventually(async () => {
+    await page.locator('.flow[aria-busy="true"]').waitFor({ state: "detached" });
+    await page.getByRole("button", { name: "Fit View" }).click();
+    last = [...last, await scaleOf(page)].slice(-12);
+    return last;
+  }, (all) => all.length === 12 && new Set(all).size === 1);
   return page.locator(".react-flow").boundingBox();
 }
 
