@@ -44,8 +44,8 @@ function person(page, task) {
     choose: (words, what, value, until) => act(words, () => hands.choose(what, value), until),
     /** Select a node in the outline. */
     select: (name, until) => act(`select ${name}`, () => hands.select(name), until),
-    /** Move what lies in the world from above: by so much on the screen, or by an arrow key until `there`. */
-    move: (words, what, by, arrow, there) => act(words, () => hands.move(what, by, arrow, there), () => there.waitFor()),
+    /** Move what lies in the world from above: by so much on the screen, held at a part of its width and height, or by an arrow key until `there`. */
+    move: (words, what, by, part, arrow, there) => act(words, () => hands.move(what, by, part, arrow, there), () => there.waitFor()),
     key: (words, key, until) => act(words, () => hands.key(key), until),
     see: async (name, words) => {
       if (!out || keys) return;
@@ -74,11 +74,12 @@ function mouse(page) {
     choose: (what, value) => what.selectOption(value),
     select: (name) => page.getByRole("treeitem", { name: new RegExp(`^${name} `) }).click(),
     key: (key) => page.keyboard.press(key),
-    move: async (what, [right, down]) => {
-      const { x, y, width, height } = await what.boundingBox();
-      await page.mouse.move(x + width / 4, y + height / 4);
+    move: async (what, [right, down], part) => {
+      const box = await what.boundingBox();
+      const [x, y] = [box.x + box.width * part, box.y + box.height * part];
+      await page.mouse.move(x, y);
       await page.mouse.down();
-      await page.mouse.move(x + width / 4 + right, y + height / 4 + down, { steps: 5 });
+      await page.mouse.move(x + right, y + down, { steps: 5 });
       await page.mouse.up();
     },
   };
@@ -136,7 +137,7 @@ function keyboard(page) {
       assert.equal(await seen(row), "there", `arrow keys lead to ${name}`);
     },
     key: press,
-    move: async (what, _, arrow, there) => {
+    move: async (what, _, __, arrow, there) => {
       await reach(what);
       for (let times = 0; times < 100 && (await there.count()) === 0; times++) {
         const before = await page.evaluate(() => document.activeElement?.getAttribute("aria-label"));
@@ -285,7 +286,7 @@ const walks = {
     const box = await tray.boundingBox();
     const scale = (await page.getByRole("button", { name: /^bench at/ }).locator("rect").boundingBox()).width / 1.2; // the bench is so wide [m]
     const aside = can.x + can.width / 2 + 0.25 * scale - (box.x + box.width / 2);
-    await me.move("drag the tray to where the can shall stand", tray, [aside, 0], aside < 0 ? "ArrowLeft" : "ArrowRight", page.getByRole("button", { name: keys ? /^tray at 0\.\d+, -0\.1[678]/ : /^tray at 0\.\d+, -0\.1[0-9]/ }));
+    await me.move("drag the tray to where the can shall stand", tray, [aside, 0], 0.25, aside < 0 ? "ArrowLeft" : "ArrowRight", page.getByRole("button", { name: keys ? /^tray at 0\.\d+, -0\.1[678]/ : /^tray at 0\.\d+, -0\.1[0-9]/ }));
     await check(page, "a world from above");
     await me.see("world", "The tray, put there by mouse.");
     await me.key("press Ctrl+S", "Control+s", () => words.fileIs("saved"));
@@ -346,7 +347,7 @@ const walks = {
     await me.press("press Project", button("Project"), () => page.getByRole("button", { name: /^World bench/ }).waitFor());
     await me.press("press World bench", page.getByRole("button", { name: /^World bench/ }), () => page.getByRole("group", { name: "The world from above" }).waitFor());
     await me.choose("insert a region to place into", page.getByLabel("Insert a template"), "a region to place into", () => page.getByRole("button", { name: /^tray at/ }).waitFor());
-    await me.move("drag the block elsewhere", page.getByRole("button", { name: /^block at/ }), [30, -25], "ArrowRight", page.getByRole("button", { name: /^block at (?!0\.45, 0\.10)/ }));
+    await me.move("drag the block elsewhere", page.getByRole("button", { name: /^block at/ }), [30, -25], 0.5, "ArrowRight", page.getByRole("button", { name: /^block at (?!0\.45, 0\.10)/ }));
     await me.key("press Ctrl+S", "Control+s", () => words.fileIs("saved"));
     await me.press("press Tasks", button("Tasks"), () => button("Run").waitFor());
     judged("take");
