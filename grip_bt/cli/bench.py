@@ -69,7 +69,8 @@ def _run(path: Path, args: argparse.Namespace) -> int:
 
 def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace, bar: terminal.Bar) -> int:
     results = begin(file, head_of(campaign), args.resume)
-    left = [trial for trial in campaign.trials() if trial not in results.done]
+    done = results.done
+    left = [trial for trial in campaign.trials() if trial not in done]
 
     def say(text: str) -> None:
         bar.clear()

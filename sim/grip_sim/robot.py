@@ -50,12 +50,15 @@ class SimRobot:
         self.links = tuple(self.body.links)
         self.hand_links = frozenset(description.hand_links)
         self._joints = list(self.body.active_joints)
+        self._drives = [(joint.set_drive_target, joint.set_drive_velocity_target) for joint in self._joints]
+        self._exert, self._weight = self.body.set_qf, self.body.compute_passive_force
         self._rows = {joint.name: row for row, joint in enumerate(self._joints)}
         count = len(self._joints)
         self._target, self._speed = np.zeros(count), np.zeros(count)
         self._stiffness, self._damping = np.zeros(count), np.zeros(count)
         self._limit, self._force = np.zeros(count), np.zeros(count)
         self._ranges: dict[int, tuple[float, float]] = {}
+        self._pressing: dict[str, list[int]] = {}
         self._followers: dict[int, list[tuple[int, Mimic]]] = {}
         for name, mimic in description.mimics.items():
             self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
@@ -80,8 +83,15 @@ class SimRobot:
     def drive(self, rows: Indices, positions: Array, velocities: Array | None = None) -> None:
         """Set drive targets [rad, rad/s]; without velocities the joints are to stand still."""
         speeds = np.zeros(len(rows)) if velocities is None else velocities
+        if self._ranges:
+            for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds.tolist(), strict=True):
+                self._aim(row, position, speed)
+            return
+        self._target[rows], self._speed[rows] = positions, speeds
         for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds.tolist(), strict=True):
-            self._aim(row, position, speed)
+            aim, go = self._drives[row]
+            aim(position)
+            go(speed)
 
     def follow(self) -> None:
         """Aim the joints that mimic others at where those *are*; before each step.
@@ -91,23 +101,24 @@ class SimRobot:
         """
         if not self._followers:
             return
-        positions, speeds = self.body.get_qpos(), self.body.get_qvel()
+        positions, speeds = self.body.get_qpos().tolist(), self.body.get_qvel().tolist()
         for leader, followers in self._followers.items():
             for row, mimic in followers:
-                self._aim(row, mimic.multiplier * float(positions[leader]) + mimic.offset, float(speeds[row]))
+                self._aim(row, mimic.multiplier * positions[leader] + mimic.offset, speeds[row])
 
     def limit_torque(self, rows: Indices, limit: float | None) -> None:
         """Limit the drives' torque [N m]; None restores the description's limits."""
         leading = rows.tolist()
         for row in [*leading, *(f for leader in leading for f, _ in self._followers.get(leader, ()))]:
-            joint = self._joints[row]
-            value = self._most(row) if limit is None else min(limit, self._most(row))
-            joint.set_drive_properties(self._stiffness[row], self._damping[row], force_limit=value, mode="force")
+            value = self._most[row] if limit is None else min(limit, self._most[row])
+            stiffness, damping = self._stiffness[row], self._damping[row]
+            self._joints[row].set_drive_properties(stiffness, damping, force_limit=value, mode="force")
             self._limit[row] = value
 
     def press(self, rows: Indices, force: float | None) -> None:
         """Have the drives' torque regulated so that the hand presses with a force [N]; None ends that."""
         self._force[rows] = force or 0.0
+        self._note_pressing()
 
     def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
         """Have a joint's drive keep it within a range [rad or m], where it is for an empty one; None ends that."""
@@ -121,12 +132,12 @@ class SimRobot:
 
     def pressing(self) -> dict[str, list[int]]:
         """Return the hands whose force is regulated, each with the rows of its joints."""
-        found: dict[str, list[int]] = {}
-        if not self._force.any():
-            return found
+        return self._pressing
+
+    def _note_pressing(self) -> None:
+        self._pressing = {}
         for row in np.flatnonzero(self._force).tolist():
-            found.setdefault(self.hand_of(row), []).append(row)
-        return found
+            self._pressing.setdefault(self.hand_of(row), []).append(row)
 
     def hand_of(self, row: int) -> str:
         """Return the hand that a joint belongs to; the first where its group doesn't tell."""
@@ -139,16 +150,13 @@ class SimRobot:
         Until something is touched the fingers close as they are driven.
         """
         for row in rows:
-            error = float(np.clip(1 - pressed / self._force[row], -1, 1))
-            most = self._most(row)
-            if self._limit[row] < most:
-                grown = self._limit[row] * np.exp(REGULATION * error * dt)
-                self.limit_torque(np.array([row]), float(np.clip(grown, LEAST * most, MOST * most)))
+            error = min(max(1 - pressed / float(self._force[row]), -1.0), 1.0)
+            most, limit = self._most[row], float(self._limit[row])
+            if limit < most:
+                grown = limit * float(np.exp(REGULATION * error * dt))
+                self.limit_torque(np.array([row]), min(max(grown, LEAST * most), MOST * most))
             elif pressed:
                 self.limit_torque(np.array([row]), GENTLE * most)
-
-    def _most(self, row: int) -> float:
-        return self.description.drives[self._joints[row].name].limit
 
     def groups_of(self, rows: Indices) -> list[str]:
         """Return the groups that one of these joints belongs to."""
@@ -193,6 +201,7 @@ class SimRobot:
             self._aim(row, float(kept["targets"][row]), float(kept["speeds"][row]))
             self.limit_torque(np.array([row]), float(kept["limits"][row]))
         self._force[:] = kept["forces"]
+        self._note_pressing()
 
     def measure(self, rows: Indices) -> Measured:
         """Return the state of joints; the efforts are what the drives give, without the weight that is compensated."""
@@ -203,7 +212,7 @@ class SimRobot:
 
     def compensate(self) -> None:
         """Apply the joint forces that carry the robot's own weight; before each step."""
-        self.body.set_qf(self.body.compute_passive_force(True, True))
+        self._exert(self._weight(True, True))
 
     def _aim(self, row: int, position: float, speed: float) -> None:
         if row in self._ranges:
@@ -211,10 +220,12 @@ class SimRobot:
             kept = min(max(position, low), high)
             position, speed = kept, speed if kept == position else 0.0
         self._target[row], self._speed[row] = position, speed
-        self._joints[row].set_drive_target(position)
-        self._joints[row].set_drive_velocity_target(speed)
+        aim, go = self._drives[row]
+        aim(position)
+        go(speed)
 
     def _set_drives(self, dt: float) -> None:
+        self._most = [self.description.drives[joint.name].limit for joint in self._joints]
         linked = {*self._followers, *(row for each in self._followers.values() for row, _ in each)}
         for row, joint in enumerate(self._joints):
             drive = self.description.drives[joint.name]

@@ -46,17 +46,17 @@ class ShakeConfig(Settings):
 class _Seen(NamedTuple):
     place: float
     time: float
-    held: Mapping[str, Pose]
+    held: Callable[[], Mapping[str, Pose]]
 
 
 class Shaking:
     """Watches a hand, and tells which objects have stayed in it.
 
     Args:
-        look: returns where the hand is, shape (3,) [m], and the pose of each object in it.
+        look: returns where the hand is, shape (3,) [m], and what computes the pose of each object in it then.
     """
 
-    def __init__(self, said: ShakeConfig, look: Callable[[], tuple[Array, Mapping[str, Pose]]]):
+    def __init__(self, said: ShakeConfig, look: Callable[[], tuple[Array, Callable[[], Mapping[str, Pose]]]]):
         self._said, self._look = said, look
         self._turned, self._furthest = list[_Seen](), list[_Seen]()
         self._strokes, self._needed = np.zeros(3, dtype=int), int(2 * said.frequency * said.seconds) - 1
@@ -74,15 +74,17 @@ class Shaking:
         if time - self._looked < PERIOD:
             return
         hand, held = self._look()
-        self._looked, here = time, [_Seen(float(place), time, held) for place in hand]
+        self._looked, here = time, [_Seen(place, time, held) for place in hand.tolist()]
         self._furthest, self._turned = self._furthest or list(here), self._turned or list(here)
         for axis in range(3):
             self._follow(axis, here[axis])
-        self._stayed = {name: before for name, before in self._stayed.items() if self._as_before(before, held[name])}
+        if self._stayed:
+            stay, now = self._stayed.items(), held()
+            self._stayed = {name: before for name, before in stay if self._as_before(before, now[name])}
 
     def _follow(self, axis: int, here: _Seen) -> None:
         begun, end = self._turned[axis], self._furthest[axis]
-        if (here.place - end.place) * np.sign(end.place - begun.place) >= 0:
+        if (here.place - end.place) * (end.place - begun.place) >= 0:
             self._furthest[axis] = here
         elif abs(here.place - end.place) > BACK * self._said.amplitude:
             length = abs(end.place - begun.place) / (2 * self._said.amplitude)
@@ -95,7 +97,7 @@ class Shaking:
         stray = begun.time != self._end and started.any()  # what came before was an arm's overshoot
         if stray or self._looked - self._last > PAUSE:
             self._strokes[:] = 0
-            self._stayed = dict(begun.held)
+            self._stayed = dict(begun.held())
         self._last, self._end = self._looked, end
         self._strokes[axis] += 1
 

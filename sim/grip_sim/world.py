@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial, reduce
+from operator import add
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -74,14 +75,16 @@ class World:
     def __init__(self, spec: WorldSpec, description: RobotDescription | None = None):
         self.spec = spec
         self._scene = make_scene(spec.dt)
+        self._step = self._scene.physx_system.step
         under = (0.0, 0.0, spec.floor - FLOOR_DEPTH / 2)
         floor = BoxSpec(FLOOR, (FLOOR_SIZE, FLOOR_SIZE, FLOOR_DEPTH), under, FLOOR_COLOUR)
         fixtures: list[BoxSpec | MeshSpec] = [*spec.boxes, floor, *spec.meshes]
         still = [self._add_still(each) for each in fixtures]
         self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
-        check_names(spec, (link.name for link in self.robot.links))
+        self._links = {link.name: link for link in self.robot.links}
+        check_names(spec, self._links)
         hands = self.robot.description.hands.items()
-        self._fingers = {hand: {link for link in self.robot.links if link.name in names} for hand, names in hands}
+        self._fingers = {hand: {self._links[name] for name in names if name in self._links} for hand, names in hands}
         self._liquids = Liquids(self._underside, self._uprightness)
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self.articulated = {
@@ -94,11 +97,12 @@ class World:
         self.steps = 0
         """How often it was advanced."""
         self._moved: set[str] = set()
+        self._pressed: dict[str, float] = {}
         self.faults = Faults(spec.faults, spec.seed, self)
         links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
         seen = [*still, *self._robot_targets(), *map(self._object_target, spec.objects), *links]
         self._shaking = self._watch()
-        self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links}, self.faults)
+        self.cameras = Rig(spec, seen, self._links, self.faults, self._scene)
 
     @property
     def time(self) -> float:
@@ -113,9 +117,10 @@ class World:
         for each in self.articulated.values():
             each.before_step()
         self._liquids.settle()
-        self._scene.step()
+        self._step()
         self.steps += 1
         self._moved.clear()
+        self._pressed.clear()
         for hand, rows in self.robot.pressing().items():
             self.robot.regulate(rows, self.pressed(hand), self.spec.dt)
         if self._shaking is not None:
@@ -137,10 +142,11 @@ class World:
         set_moving(body, np.array([*pose.position, *pose.quaternion, *np.zeros(6)]))
         body.wake_up()
         self._moved.add(name)
+        self._pressed.clear()
 
     def spawn(self, spec: ObjectSpec) -> None:
         """Add an object. Raises ValueError where something has its name."""
-        check_names(replace(self.spec, objects=(*self.spec.objects, spec)), (link.name for link in self.robot.links))
+        check_names(replace(self.spec, objects=(*self.spec.objects, spec)), self._links)
         self.spec = replace(self.spec, objects=(*self.spec.objects, spec))
         self._objects[spec.name] = self._add_object(spec)
         self.cameras.show([*self.cameras.targets, self._object_target(spec)])
@@ -186,10 +192,9 @@ class World:
 
     def link_pose(self, name: str) -> Pose:
         """Return the pose of a robot's link in world."""
-        links = {link.name: link for link in self.robot.links}
-        if name not in links:
-            raise UnknownNameError("link", name, links)
-        return _pose(links[name].entity_pose)
+        if name not in self._links:
+            raise UnknownNameError("link", name, self._links)
+        return _pose(self._links[name].entity_pose)
 
     def contacts(self) -> Iterator[Contact]:
         """Yield the contacts of the last step that carry a force; those of objects moved since then are void."""
@@ -201,11 +206,10 @@ class World:
 
     def hand_contacts(self, hand: str) -> Mapping[str, float]:
         """Return the contact force [N] of each link of a hand that touches something that isn't the robot."""
-        robot, fingers = {link.name for link in self.robot.links}, {link.name for link in self._fingers.get(hand, ())}
-        forces: dict[str, float] = {}
+        fingers, forces = {link.name for link in self._fingers.get(hand, ())}, dict[str, float]()
         for contact in self.contacts():
             for link, other in ((contact.first, contact.second), (contact.second, contact.first)):
-                if link in fingers and other not in robot:
+                if link in fingers and other not in self._links:
                     forces[link] = forces.get(link, 0.0) + contact.force
         return forces
 
@@ -220,8 +224,13 @@ class World:
 
     def pressed(self, hand: str) -> float:
         """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other."""
-        impulses = (sum(point.impulse for point in contact.points) for _, _, contact in self._holding(hand))
-        return sum(float(np.linalg.norm(impulse)) / self.spec.dt for impulse in impulses) / 2
+        if hand not in self._pressed:
+            forces = 0.0
+            for _, _, contact in self._holding(hand):
+                impulse = reduce(add, [point.impulse for point in contact.points])
+                forces += float(np.sqrt(impulse.dot(impulse))) / self.spec.dt
+            self._pressed[hand] = forces / 2
+        return self._pressed[hand]
 
     def _holding(self, hand: str) -> Iterator[tuple[Any, Any, physx.PhysxContact]]:
         """Yield the contacts of a hand's links and objects, with the link and the body."""
@@ -292,9 +301,15 @@ class World:
     def _watch(self) -> Shaking | None:
         return None if self.spec.shake is None else Shaking(self.spec.shake, self._in_hand)
 
-    def _in_hand(self) -> tuple[Array, dict[str, Pose]]:
-        palm = self.link_pose(self.robot.description.grasp_frame.link)
-        return palm.position, {name: palm.inverse() @ self.object_pose(name) for name in self._objects}
+    def _in_hand(self) -> tuple[Array, Callable[[], dict[str, Pose]]]:
+        palm = self._links[self.robot.description.grasp_frame.link].entity_pose
+        poses = {name: body.entity_pose for name, body in self._objects.items()}
+
+        def held() -> dict[str, Pose]:
+            back = _pose(palm).inverse()
+            return {name: back @ _pose(pose) for name, pose in poses.items()}
+
+        return palm.p, cache(held)
 
     def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
         if name not in self._objects:

@@ -17,7 +17,7 @@ class Hand:
 
     def __init__(self):
         self.time, self.place, self.thing = 0.0, np.zeros(3), Pose()
-        self.watch = Shaking(SAID, lambda: (self.place, {"thing": self.thing}))
+        self.watch = Shaking(SAID, lambda: (self.place, {"thing": self.thing}.copy))
 
     def follow(self, ways):
         for way in ways:

@@ -44,6 +44,9 @@ HOLD = 2.0
 to rest: braking takes half a second of its time at most, and 1 s later it gives up."""
 LOOK = 0.25
 """How often [s] the parent looks whether the run's process is alive."""
+SINGLE = {"OPENBLAS_NUM_THREADS": "1"}
+"""What a run's processes multiply is so small that a second thread only waits: it cost a network's answer seven times
+its CPU time. Who wants more for a component of their own sets it."""
 
 Told = Callable[[Mapping[str, Any]], None]
 
@@ -77,6 +80,7 @@ class RunProcess(Closing):
                     python_command("-m", "grip_bt.app.runs.process", json.dumps(channels)),
                     pass_fds=list(channels.values()),
                     stdin=None if own_input else subprocess.DEVNULL,
+                    env={**SINGLE, **os.environ},
                 )
             except OSError as error:
                 why = f"{error.strerror}; `ulimit -a` and the room in {tempfile.gettempdir()} (TMPDIR) tell more"

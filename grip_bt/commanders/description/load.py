@@ -16,7 +16,7 @@ from grip_bt.commanders.description.packages import ROBOTS
 
 from .compose import in_one_world, namespaced, on_arm
 from .config import RobotConfig
-from .files import Finding, errors, finding_of, note
+from .files import FileCache, Finding, errors, finding_of, note
 from .from_files import Inspected, load_single
 from .launched import is_launch_file, robot_of_launch
 from .robot import RobotDescription
@@ -58,11 +58,15 @@ def load_robot(source: str | RobotConfig, folder: Path | None = None) -> RobotDe
         UnknownNameError: there is neither such a robot nor such a file.
         MissingPartError: the data of a ready-made robot isn't installed.
     """
-    inspected = inspect_robot(source, folder)
+    key = source if isinstance(source, str) else source.model_dump_json(), (folder or Path()).resolve()
+    inspected = _inspected_files.get(key, lambda: inspect_robot(source, folder))
     if inspected.description is None:
         name = source if isinstance(source, str) else source.name or "robot"
         raise InvalidRobotError(name, errors(inspected.findings))
     return inspected.description
+
+
+_inspected_files: FileCache[tuple[str, Path], Inspected] = FileCache()
 
 
 def inspect_robot(source: str | RobotConfig, folder: Path | None = None) -> Inspected:

@@ -18,7 +18,7 @@ from grip_sim.cameras import Frame, Places, Renderer, vulkan_works
 from grip_sim.cameras.looks import Target
 from grip_sim.cameras.raster import RasterRenderer
 from grip_sim.faults import Faults, darkened
-from grip_sim.physics import physx
+from grip_sim.physics import physx, sapien
 from grip_sim.specs import CameraSpec, WorldSpec
 
 
@@ -31,8 +31,9 @@ class Rig:
         targets: Sequence[Target],
         links: Mapping[str, physx.PhysxRigidBaseComponent],
         faults: Faults,
+        scene: sapien.Scene,
     ):
-        self._faults, self._last = faults, dict[str, Frame]()
+        self._faults, self._last, self._scene = faults, dict[str, Frame](), scene
         self._seed = spec.seed
         self._specs = {camera.name: camera for camera in spec.cameras}
         carriers = dict.fromkeys(camera.link for camera in spec.cameras if camera.link is not None)
@@ -43,7 +44,7 @@ class Rig:
         self._taken = dict.fromkeys(self._specs, 0)
         self._renderers: dict[CameraSpec, Renderer] = {}
         self._latency = max((camera.noise.latency for camera in spec.cameras if camera.noise is not None), default=0.0)
-        self._past: deque[tuple[float, Array]] = deque(maxlen=0)
+        self._past: deque[tuple[float, bytes, list[int]]] = deque(maxlen=0)
         self._dt, self._time = spec.dt, 0.0
         self.remember(max((fault.lag or 0.0 for fault in spec.faults.values()), default=0.0))
         self.show(targets)
@@ -60,6 +61,7 @@ class Rig:
         self.targets = tuple(targets)
         self._bodies = [*(target.body for target in targets), *self._carriers.values()]
         self._rows = {name: len(targets) + i for i, name in enumerate(self._carriers)}
+        self._find()
         self._renderers.clear()
         self._past.clear()
         self.stepped(self._time)
@@ -68,12 +70,18 @@ class Rig:
         """Show a body where another of the same shape is from now on."""
         self.targets = tuple(replace(each, body=new) if each.body is old else each for each in self.targets)
         self._bodies = [new if body is old else body for body in self._bodies]
+        self._find()
+
+    def _find(self) -> None:
+        """Find where in the scene's poses those of the bodies are."""
+        places = {entity: row for row, entity in enumerate(self._scene.entities)}
+        self._places = [places[body.entity] for body in self._bodies]
 
     def stepped(self, time: float) -> None:
         """Keep where everything is after a step [s], for cameras that show it late."""
         self._time = time
         if self._past.maxlen:
-            self._past.append((time, self._now()))
+            self._past.append((time, self._scene.pack_poses(), self._places))
 
     def look(self, name: str) -> Frame:
         """Take a frame with a camera, as its sensor gives it. Raises UnknownNameError where there is no such camera."""
@@ -116,15 +124,14 @@ class Rig:
         return self._specs[name]
 
     def _now(self) -> Array:
-        poses = [body.entity_pose for body in self._bodies]
-        return np.array([[*pose.p, *pose.q] for pose in poses], float).reshape(-1, 7)
+        return _poses(self._scene.pack_poses(), self._places)
 
     def _shown(self, latency: float) -> tuple[float, Array]:
         """Return the last time at least `latency` ago [s], or the first one known, and where everything was."""
         if not latency:
             return self._time, self._now()
-        known = [past for past in self._past if past[0] <= self._time - latency + 1e-9]
-        return known[-1] if known else next(iter(self._past), (self._time, self._now()))
+        known = [past for past in self._past if past[0] <= self._time - latency + 1e-9] or list(self._past)[:1]
+        return (known[-1][0], _poses(*known[-1][1:])) if known else (self._time, self._now())
 
     def _pose(self, spec: CameraSpec, rows: Array) -> Pose:
         pose = spec.info().pose
@@ -138,6 +145,11 @@ class Rig:
             self._renderers[spec] = make_renderer(spec, self.targets)
         renderer = self._renderers[spec]
         return replace(renderer.draw(self._pose(spec, rows), Places.of(rows[: len(self.targets)])), time=time)
+
+
+def _poses(packed: bytes, places: Sequence[int]) -> Array:
+    """Return rows x y z, w x y z of some bodies, of the poses of a whole scene, where turns come first."""
+    return np.roll(np.frombuffer(packed, np.float32).reshape(-1, 7)[places], 3, axis=1).astype(float)
 
 
 def make_renderer(spec: CameraSpec, targets: Sequence[Target]) -> Renderer:
