@@ -2,13 +2,15 @@
 
     .venv/bin/python benchmarks/simulation.py
 
-Wall time; steps and frames in this process, best of several rounds; start and close of the process, median.
+Wall time; steps and frames in this process, best of several rounds; start and close of the process, median. A step's
+ratio is that of CPU times, in turns, to `bare` steps of the same scene: the forces that carry the robot, and PhysX.
 """
 
 import statistics
 import time
 
 import numpy as np
+from cpu_time import seconds
 
 from grip_bt.base.values import Pose
 from grip_sim.simulation import start_simulation
@@ -46,8 +48,35 @@ def grasping() -> World:
     for part in np.linspace(0, 1, 2 * STEPS):
         robot.drive(rows, start + part * (goal - start))
         world.step()
-    forces = world.hand_contacts()
+    forces = world.hand_contacts("hand")
     assert len(forces) >= 3, f"the hand doesn't grasp: {forces}"
+    return world
+
+
+def ratio(world: World) -> str:
+    """Return what a step takes, beside a bare one, and the ratio; medians over the rounds."""
+
+    def bare() -> None:
+        world.robot.compensate()
+        world.physics()
+
+    pairs = [(seconds(world.step), seconds(bare)) for _ in range(ROUNDS)]
+    ours, theirs = (1e6 * statistics.median(each) for each in zip(*pairs, strict=True))
+    return f"{ours:.0f} beside {theirs:.0f} us: {statistics.median(one / two for one, two in pairs):.2f}"
+
+
+def pinched() -> World:
+    """Return a world in which a gripper's regulated force holds a ball."""
+    world = World(WorldSpec(robot="panda", objects=(ObjectSpec("thing", "sphere", 0.03, 0.06, (0.5, 0.0, 0.03)),)))
+    robot = world.robot
+    rows, tip = robot.rows(robot.description.group("hand")), robot.description.grasp_frame.link
+    robot.press(rows, 15.0)
+    for width in np.linspace(0.04, 0.0, STEPS):
+        if not world.pressed("hand"):
+            world.move_object("thing", world.link_pose(tip))
+        robot.drive(rows, np.full(len(rows), width))
+        world.step()
+    assert world.pressed("hand"), "the gripper doesn't hold the ball"
     return world
 
 
@@ -83,6 +112,9 @@ def main() -> None:
     print("| what | figure |\n|---|---|")
     print(f"| steps a second, free, {free.spec.dt * 1e3:.2f} ms each | {per_second(free):.0f} |")
     print(f"| steps a second, grasping | {per_second(holding):.0f} |")
+    print(f"| one step, free | {ratio(free)} |")
+    print(f"| one step, a hand grasping | {ratio(holding)} |")
+    print(f"| one step, a gripper holding by a regulated force | {ratio(pinched())} |")
     print(f"| RGB-D frame 320 x 240, three objects | {capture_time(free):.1f} ms |")
     print(f"| RGB-D frame 320 x 240, hand over the table | {capture_time(holding):.1f} ms |")
     print(f"| process up and settled | {start:.2f} s |")

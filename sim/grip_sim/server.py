@@ -35,8 +35,9 @@ STEPS_PER_LOOK = 4
 """Steps between two looks at the connection: 17 ms of simulated time, a few ms of ours."""
 SIGN_OF_LIFE = 10.0
 """While it is paused, the client is told this often that we are there [s]."""
-TELL_TIME = 0.02
-"""While something moves, the client is told the time this often [s of ours]."""
+TELL_TIME, TELL_TIME_IN_TURNS = 0.02, 0.1
+"""While something moves, the client is told the time this often [s of ours]; one that takes turns waits for no time but
+that until which the world goes."""
 SILENT = frozenset({"follow", "move_hand", "wait", "go", "stand", "go_freely"})
 """Calls that aren't answered at once: motions are when they end, and what is said of turns never is."""
 Answer = Mapping[str, object]
@@ -165,7 +166,7 @@ class Server:
             self._step()
         if self._pace is not None:  # messages are obeyed meanwhile, so that a stop isn't late
             self._due = began + STEPS_PER_LOOK * self.world.spec.dt / self._pace
-        if time.monotonic() - self._told > TELL_TIME:
+        if time.monotonic() - self._told > (TELL_TIME_IN_TURNS if self._in_turns else TELL_TIME):
             self._told = time.monotonic()
             self._send({"id": 0})
 

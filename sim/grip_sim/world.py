@@ -75,7 +75,8 @@ class World:
     def __init__(self, spec: WorldSpec, description: RobotDescription | None = None):
         self.spec = spec
         self._scene = make_scene(spec.dt)
-        self._step = self._scene.physx_system.step
+        self.physics: Callable[[], None] = self._scene.physx_system.step
+        """Advances the bare scene."""
         under = (0.0, 0.0, spec.floor - FLOOR_DEPTH / 2)
         floor = BoxSpec(FLOOR, (FLOOR_SIZE, FLOOR_SIZE, FLOOR_DEPTH), under, FLOOR_COLOUR)
         fixtures: list[BoxSpec | MeshSpec] = [*spec.boxes, floor, *spec.meshes]
@@ -117,7 +118,7 @@ class World:
         for each in self.articulated.values():
             each.before_step()
         self._liquids.settle()
-        self._step()
+        self.physics()
         self.steps += 1
         self._moved.clear()
         self._pressed.clear()

@@ -114,16 +114,18 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
             out.write(json.dumps({"parts": {name: part.state().names for name, part in parts.items()}}) + "\n")
             told, bodies, ways, touched = dict[str, Any](), Bodies(), dict[str, Any](), dict[str, Any]()
             scene: SceneSnapshot | None = None
+            asked = -1.0
             while True:
-                last, line = over.is_set(), dict[str, Any]()
-                now_at = {name: part.state().position for name, part in parts.items()}
+                last, line, t = over.is_set(), dict[str, Any](), clock.now()
+                stands, asked = t == asked, t  # a simulated world that stands still needn't be asked
+                now_at = {} if stands else {name: part.state().position for name, part in parts.items()}
                 if moved := {name: p for name, p in now_at.items() if _changed(p, told.get(name))}:
                     told |= moved
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
                 for name, arm in resources.arms.items():
                     if (way := getattr(arm, "follows", None)) is not None and way is not ways.get(name):
                         ways[name], line["way"] = way, {**line.get("way", {}), name: _points(way, parts[name])}
-                touch = {hand: {link: round(f, 1) for link, f in it.contacts().items()} for hand, it in hands.items()}
+                touch = touched if stands else {name: _rounded_forces(hand) for name, hand in hands.items()}
                 if touch != touched:
                     touched = line["touch"] = touch
                 now = resources.scene.snapshot() if resources.scene is not None else None
@@ -132,11 +134,15 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
                     if new := bodies.new():
                         line["bodies"] = new
                 if line:
-                    out.write(json.dumps({"t": round(clock.now(), 3), **line}, separators=(",", ":")) + "\n")
+                    out.write(json.dumps({"t": round(t, 3), **line}, separators=(",", ":")) + "\n")
                     out.flush()
                 if last or out.tell() > LARGEST:
                     return
                 over.wait(PERIOD)
+
+
+def _rounded_forces(hand: Hand) -> dict[str, float]:
+    return {link: round(force, 1) for link, force in hand.contacts().items()}
 
 
 def _points(way: Trajectory, part: Arm | Hand) -> list[list[float]]:
