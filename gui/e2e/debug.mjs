@@ -36,12 +36,18 @@ await onPage(url, async (page, { button, choose, nodeIs, pick, runIs, runIsStopp
   await button("Clear the breakpoint at attempts/second").click();
   await page.getByText("No breakpoints").waitFor();
 
-  // To a node, and no further.
+  // What comes before is passed over; the page says by what.
   await pick("b");
   await page.keyboard.press("Control+F10");
   await runIs("paused before machine/b");
   await button("STOP").click();
   await runIsStopped();
+  await page.getByRole("tab", { name: "Breakpoints" }).click();
+  await pick("machine");
+  await button("Run from here").click();
+  await runIs("success: success");
+  await nodeIs("attempts", "success");
+  await nodeIs("second", "not started");
 
   // Another outcome is played.
   await page.getByRole("tab", { name: "Breakpoints" }).click();

@@ -339,6 +339,24 @@ def test_what_the_run_refuses_is_told_to_people(page: TestClient) -> None:
         )
 
 
+def test_a_run_from_a_node_passes_over_what_comes_before_it(page: TestClient, launcher: PlayedLauncher) -> None:
+    answer = page.post("/api/session", json={**WISH, "begin_at": "machine/b", "run_to": "machine/b"})
+    assert answer.json()["mocks"] == {"first": "success", "machine/a": "success"}
+    assert launcher.last is not None
+    assert launcher.last.heard == [{"command": "run_to", "node": "machine/b"}]
+    assert launcher.started[0][1].mocks["first"] == "success"
+
+
+def test_a_run_cannot_begin_where_nothing_leads(page: TestClient, project: Path) -> None:
+    text = (project / "tasks" / "tiny.yaml").read_text().replace("on: {success: b}", "on: {success: success}")
+    (project / "tasks" / "tiny.yaml").write_text(text)
+    answer = page.post("/api/session", json={**WISH, "begin_at": "machine/b"})
+    assert answer.status_code == 400
+    assert "no way leads there" in answer.json()["detail"]
+    unknown = page.post("/api/session", json={**WISH, "begin_at": "machine/x"})
+    assert (unknown.status_code, "machine/a" in unknown.json()["detail"]) == (404, True)
+
+
 def test_a_run_can_be_started_on_every_robot_that_is_offered(page: TestClient) -> None:
     for robot in page.get("/api/project").json()["robots"]:
         assert page.post("/api/session", json={**WISH, "robot": robot}).json()["robot"] == robot

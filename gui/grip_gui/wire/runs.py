@@ -131,6 +131,8 @@ class StartRun(RunOptions):
     """Start a run of a task."""
 
     task: Annotated[str, Field(max_length=1024)]
+    begin_at: Path = ""
+    """Run from here: what comes before this node is passed over as if it had gone well; empty for the beginning."""
     run_to: Path = ""  # hold before this node; empty for nowhere
     page: PageId = ""
 

@@ -716,6 +716,7 @@ export interface StartRun {
   pace: number | null;
   mocks: Record<string, string>;
   task: string;
+  begin_at: string;
   run_to: string;
   page: string;
 }

@@ -14,7 +14,7 @@ import { type Pane, resetPanes, usePanes, widen } from "./panes";
 import { LONGEST_NAME } from "./others";
 import { useRun } from "./run";
 import { useRunning } from "./runDesk";
-import { injectFault, pauseOrResume, runToHere, start, step, stop, toggleBreakpoint } from "./running";
+import { injectFault, pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
 import { newTask } from "./tasks";
 
 export interface Action {
@@ -108,6 +108,7 @@ export const ACTIONS: readonly Action[] = [
   { id: "into", title: "Step in", keys: ["F11"], inFields: true, run: () => step("in") },
   { id: "step-out", title: "Step out", keys: ["Shift+F11"], inFields: true, run: () => step("out") },
   { id: "tick", title: "Step by one tick", keys: ["Ctrl+F11"], inFields: true, run: () => step("tick") },
+  { id: "from-here", title: "Run from here", keys: ["Ctrl+Enter"], run: runFromHere },
   { id: "to-here", title: "Run to here", keys: ["Ctrl+F10"], run: runToHere },
   { id: "fault", title: "Have something go wrong", keys: ["Ctrl+Alt+f"], inFields: true, run: injectFault },
   { id: "new", title: "New task", keys: [], run: newTask },

@@ -40,7 +40,7 @@ export function giveBack(): Promise<void> {
 }
 
 /** Run the task that is open, or the one whose run is shown. */
-export function start(where: Partial<Pick<StartRun, "run_to">> = {}): Promise<void> {
+export function start(where: Partial<Pick<StartRun, "begin_at" | "run_to">> = {}): Promise<void> {
   const { task, session } = useRun.getState();
   if (session !== null && session.state !== "ended") return Promise.resolve();
   return controlling(async () => {
@@ -54,7 +54,7 @@ export function start(where: Partial<Pick<StartRun, "run_to">> = {}): Promise<vo
     const paths = new Set(useRun.getState().task.nodes.map((node) => node.path));
     const there = Object.fromEntries(Object.entries(mocks).filter(([node]) => paths.has(node)));
     // How it goes on is told by the socket alone: an answer may come later than newer news.
-    await server.start({ task: task.path, ...options, mocks: there, run_to: "", ...where, page: PAGE });
+    await server.start({ task: task.path, ...options, mocks: there, begin_at: "", run_to: "", ...where, page: PAGE });
   });
 }
 
@@ -108,6 +108,21 @@ export function runToHere(): void {
   if (node === null) return;
   if (state === "paused" || state === "running") void control("run_to", { node });
   else void start({ run_to: node });
+}
+
+/** Begin at the selected node: what comes before it is passed over. On a real robot that is asked for. */
+export async function runFromHere(): Promise<void> {
+  const node = usePage.getState().selected;
+  if (node === null) return;
+  if (useRunning.getState().options.robot === "ros") {
+    const options = [
+      { value: "no", label: "Don't run", mark: "" },
+      { value: "yes", label: `Run from ${node}`, mark: "" },
+    ];
+    const label = "The real robot moves at once; what comes before is passed over.";
+    if ((await askChoice({ title: `Run from ${node}?`, label, options })) !== "yes") return;
+  }
+  await start({ begin_at: node });
 }
 
 // --- breakpoints ---

@@ -6,7 +6,7 @@ import { actionTitle } from "../store/actions";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { breakpointsOf, useRunning } from "../store/runDesk";
-import { runToHere, setBreakpoints, toggleBreakpoint } from "../store/running";
+import { runFromHere, runToHere, setBreakpoints, toggleBreakpoint } from "../store/running";
 
 export function Holds(): JSX.Element {
   const task = useRun((s) => s.task.path);
@@ -22,6 +22,9 @@ export function Holds(): JSX.Element {
           </button>
           <button disabled={selected === null} title={actionTitle("to-here")} onClick={runToHere}>
             Run to here
+          </button>
+          <button disabled={selected === null} title={actionTitle("from-here")} onClick={() => void runFromHere()}>
+            Run from here
           </button>
           {points.length > 0 && <button onClick={() => void setBreakpoints([])}>Clear all</button>}
         </div>

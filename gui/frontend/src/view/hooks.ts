@@ -78,7 +78,7 @@ export function useWindow(box: RefObject<HTMLElement | null>, count: number, at:
 const PRESSES = new Set(["Enter", " "]);
 /** What also works where no task is shown. */
 const EVERYWHERE = new Set(["stop", "pause", "panel", "panel-before"]);
-const READING = new Set(["robot", "left", "right", "foot", "panes", "commands", "panel", "panel-before", "find", "toggle", "tree", "flow", "split", "text", "enter", "leave", "copy", "new", "run", "pause", "stop", "breakpoint", "over", "into", "step-out", "tick", "fault", "to-here"]);
+const READING = new Set(["robot", "left", "right", "foot", "panes", "commands", "panel", "panel-before", "find", "toggle", "tree", "flow", "split", "text", "enter", "leave", "copy", "new", "run", "pause", "stop", "breakpoint", "over", "into", "step-out", "tick", "fault", "from-here", "to-here"]);
 
 function inField(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.closest("input, textarea, select, [contenteditable=true]") !== null;
