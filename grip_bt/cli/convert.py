@@ -59,7 +59,7 @@ def _restructured(document: Document, catalog: Catalog, args: argparse.Namespace
     for note in result.notes:
         if not note.by_design:
             print(f"{args.task}: {note}", file=sys.stderr)
-    return dumps(result.task)
+    return restructure.to_text(result, form, Path(args.task).name)
 
 
 def add_convert(parser: argparse.ArgumentParser) -> None:

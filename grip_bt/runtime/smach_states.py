@@ -6,14 +6,18 @@ request reaches the leaves of the tree as a flag; a halt interrupts them at once
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, Self
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import Any, Literal, Self
+
+from py_trees.behaviour import Behaviour
+from py_trees.blackboard import Blackboard
+from py_trees.common import Status
 
 from grip_bt.base.errors import DataError
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.base.files import Closing
-from grip_bt.compilers import Halted, Pacer, to_tree
+from grip_bt.compilers import CompiledTree, Halted, Pacer, to_tree
 from grip_bt.compilers.behaviour_state import MachineRun, Refined, drive, label, labels
 from grip_bt.compilers.binding import LeafFactory, implementation_of
 from grip_bt.compilers.scopes import UNSET, Scopes
@@ -29,6 +33,8 @@ from grip_bt.task.parts import Edges
 
 from .context import RunContext
 from .pacing import Pacing
+
+_OnPreempt = Literal["ask", "halt"]
 
 
 class TreeRun(Closing):
@@ -63,16 +69,26 @@ class TreeRun(Closing):
             self.trees.pop().release()
 
 
-class BehaviourTree(State):
-    """A state that ticks a task's tree until it ends; a preempt request reaches its leaves, which end as they want.
+class _Preempted(BaseException):
+    """The state has to end with `preempted`."""
 
-    The task's inputs and outputs are the state's keys, its outcomes the state's outcomes. The tree is prepared when it
-    is first executed; it begins anew each time.
+
+class BehaviourTree(State):
+    """A state that ticks a tree until it ends.
+
+    A task's inputs and outputs are the state's keys, its outcomes the state's outcomes. Of a tree of py_trees, the keys
+    that are given are copied to py_trees' blackboard before and from there afterwards, and it ends with `success` or
+    `failure`. The tree is prepared when it is first executed; it begins anew each time.
 
     Args:
+        tree: a task, or a tree of py_trees.
         run: what it shares with other trees of the machine; one of its own by default, without a robot.
         codes: failure codes that have outcomes of their own, such as `failure.no_ik`.
+        on_preempt: `ask`: the leaves see the request and end as they want, the usual for tasks; `halt`: the tree is
+            interrupted at once and the state ends with `preempted`, the usual for trees of py_trees.
         place: path that its root has in messages.
+        input_keys: of a tree of py_trees.
+        output_keys: likewise.
 
     Raises:
         InvalidTaskError: the task is wrong.
@@ -80,21 +96,34 @@ class BehaviourTree(State):
 
     def __init__(
         self,
-        task: Task,
+        tree: Task | Behaviour,
         run: TreeRun | None = None,
         *,
         codes: Collection[str] = (),
+        on_preempt: _OnPreempt | None = None,
         place: str = "/",
+        input_keys: Iterable[str] = (),
+        output_keys: Iterable[str] = (),
     ):
         self.run = run or TreeRun()
         self._shares, self._prepared, self._halting = run is not None, False, False
+        self.on_preempt: _OnPreempt = on_preempt or ("ask" if isinstance(tree, Task) else "halt")
+        self.compiled: CompiledTree | None = None
         self._refined: Refined = [(outcome, name) for outcome, _, name in (code.partition(".") for code in codes)]
-        self.compiled = to_tree(task, self.run.catalog, leaf_factory=_placed(self.run.leaf_factory, place))
-        for path, node in self.compiled.by_path.items():
-            node.path = _inside(place, path)
-        # Keys that only come in would come wrapped, and values with methods couldn't be used.
-        keys = [*task.variables] if task.inputs or task.outputs else []
-        super().__init__(labels(task.outcomes, self._refined), keys, keys)
+        if isinstance(tree, Task):
+            self.compiled = to_tree(tree, self.run.catalog, leaf_factory=_placed(self.run.leaf_factory, place))
+            self.root: Behaviour = self.compiled.root
+            for path, node in self.compiled.by_path.items():
+                node.path = _inside(place, path)
+            outcomes: list[str] = labels(tree.outcomes, self._refined)
+            # Keys that only come in would come wrapped, and values with methods couldn't be used.
+            inputs = outputs = [*tree.variables] if tree.inputs or tree.outputs else []
+        else:
+            self.root, outcomes = tree, ["success", "failure"]
+            inputs, outputs = list(input_keys), list(output_keys)
+        if self.on_preempt == "halt" and "preempted" not in outcomes:
+            outcomes.append("preempted")
+        super().__init__(outcomes, inputs, outputs)
 
     @classmethod
     def of_node(
@@ -127,7 +156,10 @@ class BehaviourTree(State):
         before = self._copy_in(userdata)
         try:
             self._prepare()
-            drive(self.compiled.root, self)
+            drive(self.root, self)
+        except _Preempted:
+            self.service_preempt()
+            return "preempted"
         except Halted as error:
             if not self._halting:
                 self.run.shared.fail(error)
@@ -136,11 +168,16 @@ class BehaviourTree(State):
             self.run.shared.fail(error)
             raise
         self._copy_out(userdata, before)
+        if self.compiled is None:
+            return "success" if self.root.status == Status.SUCCESS else "failure"
         end = self.compiled.end()
         return label(end.outcome, end.failure, self._refined)
 
     def release(self) -> None:
-        self.compiled.release()
+        if self.compiled is not None:
+            self.compiled.release()
+        else:
+            self.root.shutdown()
         self._prepared = False
 
     def request_preempt(self) -> None:
@@ -160,6 +197,8 @@ class BehaviourTree(State):
         seen = self.run.shared.turn()
         if self._halting:
             raise Halted
+        if self.on_preempt == "halt" and self.preempt_requested():
+            raise _Preempted
         return seen
 
     def rest(self, seen: int) -> None:
@@ -173,9 +212,17 @@ class BehaviourTree(State):
             return
         self._prepared = True
         self.run.trees.append(self)
-        self.compiled.prepare(AskedContext(self.run.context, self.preempt_requested))
+        if self.compiled is not None:
+            self.compiled.prepare(AskedContext(self.run.context, self.preempt_requested))
+        else:
+            for behaviour in self.root.iterate():
+                behaviour.setup()
 
     def _copy_in(self, userdata: Any) -> dict[str, Any]:
+        if self.compiled is None:
+            for key in self.get_registered_input_keys():
+                Blackboard.set(key, userdata[key])
+            return {}
         scope = self.compiled.data[Scopes.TASK]
         scope.reset()
         before = {}
@@ -185,6 +232,11 @@ class BehaviourTree(State):
         return before
 
     def _copy_out(self, userdata: Any, before: Mapping[str, object]) -> None:
+        if self.compiled is None:
+            for key in self.get_registered_output_keys():
+                if Blackboard.exists(key):
+                    userdata[key] = Blackboard.get(key)
+            return
         for name, cell in self.compiled.data[Scopes.TASK].cells.items():
             if cell.value is not UNSET and cell.value is not before.get(name, UNSET):
                 userdata[name] = cell.value

@@ -100,11 +100,18 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick }) => {
   await item("machine").and(page.locator('[aria-level="2"]')).waitFor({ state: "attached" });
   await fileIs("saved");
 
-  // What people wrote in the file outlives edits.
+  // Which edges keep a machine from being a tree; each leads to its node. What people wrote in the file outlives edits.
   await choose("Task", "tasks/tangled.yaml");
   await fileIs("saved");
   await pick("tangled");
   await button("Flow").click();
+  await page.getByText("~ one form only: why?").first().click();
+  const edges = page.locator(".form-why[open]").first();
+  await edges.locator("p").filter({ hasText: /\S/ }).waitFor();
+  const [first] = await edges.getByRole("button").allTextContents();
+  assert.match(first, /^[abc]\.(success|failure)/);
+  await edges.getByRole("button", { name: first, exact: true }).first().click();
+  await page.locator(`[role="treeitem"][aria-selected="true"][data-row="${first.split(".")[0]}"]`).waitFor();
   await pick("b");
   const words = page.getByRole("textbox", { name: "Documentation" });
   await words.fill("Gives the gripper time.");

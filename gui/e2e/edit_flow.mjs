@@ -20,6 +20,7 @@ await onPage(url, async (page, { answer, button, choose, dragUntil, fileIs, item
   await box("machine/a").waitFor();
   await edge("machine/a.success").waitFor({ state: "attached" });
   await page.getByRole("navigation", { name: "Containers" }).getByRole("button", { name: "short" }).waitFor();
+  await page.getByText("= both forms").first().waitFor();
 
   // The container in a pane of its own.
   const [pane] = await Promise.all([page.waitForEvent("popup"), page.getByRole("link", { name: "Open this container in a pane of its own" }).click()]);

@@ -96,7 +96,7 @@ def test_the_page_edits_a_task_without_extras(bare):
         origin = address.partition("/?")[0]
         with httpx.Client(base_url=origin, headers={"Origin": origin}, follow_redirects=True) as page:
             assert "<html" in page.get(address).text
-            for question in ("/api/catalog", "/api/setup/names", "/api/project"):
+            for question in ("/api/catalog", f"/api/document/forms?path={path}", "/api/setup/names", "/api/project"):
                 assert page.get(question).is_success, page.get(question).text
             base = page.get("/api/document", params={"path": path}).json()["revision"]
             command = {"do": "set", "path": "/", "key": ["doc"], "value": "Without extras."}

@@ -343,6 +343,11 @@ def test_the_palette_has_every_node_and_kind(page: TestClient) -> None:
     }
 
 
+def test_containers_say_whether_both_forms_edit_them(pen: Pen) -> None:
+    answer = pen.client.get("/api/document/forms", params={"path": TINY}).json()
+    assert {form["path"]: form["both"] for form in answer["forms"]} == {"/": True, "machine": True}
+
+
 TANGLED = """\
 grip: 1
 name: tangled
@@ -360,6 +365,11 @@ root:
 
 def test_a_tangled_machine_says_which_edges_are_in_the_way(page: TestClient, project: Path) -> None:
     (project / "tasks/tangled.yaml").write_text(TANGLED)
+    (form,) = page.get("/api/document/forms", params={"path": "tasks/tangled.yaml"}).json()["forms"]
+    assert not form["both"]
+    assert form["edges"]
+    names = {node["path"] for node in Pen(page, "tasks/tangled.yaml").view["task"]["nodes"]}
+    assert all(path in names for path, _ in form["edges"])
     refused = page.get("/api/document/conversion", params={"path": "tasks/tangled.yaml", "node": "/", "form": "tree"})
     assert refused.status_code == 400
     assert "more than one state" in refused.json()["detail"]

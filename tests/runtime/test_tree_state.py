@@ -5,7 +5,9 @@ from __future__ import annotations
 import threading
 from typing import Any
 
+import py_trees
 import pytest
+from py_trees.blackboard import Blackboard
 from py_trees.common import Status
 
 from grip_bt import smach_compat as smach
@@ -73,6 +75,46 @@ def test_a_tasks_ports_are_keys_of_the_state_and_its_outcomes_are_the_states():
     machine.userdata.number = 5
     assert (machine.execute(), machine.userdata.number) == ("over", 7)
     assert set(state.get_registered_outcomes()) == {"success", "failure"}
+
+
+def test_a_tree_of_py_trees_reads_and_writes_keys_on_its_blackboard():
+    class Double(py_trees.behaviour.Behaviour):
+        def update(self) -> Status:
+            Blackboard.set("twice", 2 * Blackboard.get("value"))
+            return Status.SUCCESS
+
+    machine = smach.StateMachine(["over"])
+    machine.userdata.value = 21
+    with machine:
+        state = BehaviourTree(Double("double"), input_keys=["value"], output_keys=["twice"])
+        smach.StateMachine.add("DOUBLE", state, {"success": "over", "failure": "over", "preempted": "over"})
+    assert (machine.execute(), machine.userdata.twice) == ("over", 42)
+
+
+def test_a_preempted_tree_of_py_trees_is_interrupted_at_once():
+    ticked, ended = threading.Event(), []
+
+    class Endless(py_trees.behaviour.Behaviour):
+        def update(self) -> Status:
+            ticked.set()
+            return Status.RUNNING
+
+        def terminate(self, new_status: Status) -> None:
+            ended.append(new_status)
+
+    machine = smach.StateMachine(["over", "preempted"])
+    with machine:
+        state = BehaviourTree(py_trees.composites.Sequence("all", memory=True, children=[Endless("endless")]))
+        smach.StateMachine.add("RUN", state, {"success": "over", "failure": "over", "preempted": "preempted"})
+    found: list[str] = []
+    thread = threading.Thread(target=lambda: found.append(machine.execute()), daemon=True)
+    thread.start()
+    assert ticked.wait(PATIENCE)
+    machine.request_preempt()
+    thread.join(PATIENCE)
+    assert found == ["preempted"]
+    assert Status.INVALID in ended
+    assert not state.preempt_requested()
 
 
 class World:

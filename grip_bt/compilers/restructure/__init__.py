@@ -6,3 +6,4 @@ from grip_bt.compilers.restructure.subtasks import extracted as extracted
 
 from .as_edit import expanded as expanded
 from .result import Restructured as Restructured
+from .result import to_text as to_text

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from grip_bt.base.errors import listing
 from grip_bt.base.frozen import FrozenDict
@@ -167,8 +168,8 @@ class _ToComposites:
             return Built(part.node, {part.path: ()})
         machine = isinstance(part.node, StateMachine)
         found = _structure(part, ticker) if machine and is_within(part.path, self.within) else None
-        if isinstance(found, str):
-            self.notes.append(Note(part.path, part.node.kind, found))
+        if isinstance(found, _Stays):
+            self.notes.append(Note(part.path, part.node.kind, found.reason, edges=found.edges))
         inner = part if interrupts(part) else ticker
         children = {child.name: self.convert(child, inner) for child in part.children}
         if isinstance(found, State | Chain | Loop):
@@ -206,27 +207,41 @@ def _new_ends(part: Part, built: Built, on: Mapping[str, str]) -> dict[str, str]
     return result
 
 
-def _structure(part: Part, ticker: Part | None) -> Region | str:
+@dataclass(frozen=True)
+class _Stays:
+    """Why a machine stays one.
+
+    Attributes:
+        edges: those without which it would have a structure.
+    """
+
+    reason: str
+    edges: tuple[str, ...] = ()
+
+
+def _structure(part: Part, ticker: Part | None) -> Region | _Stays:
     """Return the chains and loops of a machine, or why it stays."""
     odd = [name for name, meaning in part.meaning.items() if PLAIN.get(name, meaning) != meaning]
     if odd:
-        return f"its outcome {odd[0]!r} means {part.meaning[odd[0]]}, which no composite's can"
+        return _Stays(f"its outcome {odd[0]!r} means {part.meaning[odd[0]]}, which no composite's can")
     if ticker is not None and successors(part):
-        return ticked_by(ticker)
+        return _Stays(ticked_by(ticker))
     assert isinstance(part.node, StateMachine), "only state machines were requested"
     arcs = {child.name: _arcs(part, index) for index, child in enumerate(part.children)}
     graph = flow_graph(part.node.initial, arcs)
     never = [name for name in arcs if name not in graph]
     if never:
-        return f"states that are never reached have no place in a composite: {listing(never)}"
+        return _Stays(f"states that are never reached have no place in a composite: {listing(never)}")
     found = structured(part.node.initial, arcs)
     if found is None:
         back = unruly_edges(graph, part.node.initial)
-        labels = listing(str(arc) for tail, head in back for arc in arcs[tail] if arc.target == head)
-        return f"a loop of it is entered at more than one state; without {labels} none would be"
+        labels = tuple(str(arc) for tail, head in back for arc in arcs[tail] if arc.target == head)
+        return _Stays(
+            f"a loop of it is entered at more than one state; without {listing(labels)} none would be", labels
+        )
     levels = depth(found)
     if levels > MAX_DEPTH:
-        return f"its structure has {levels} levels, which is unreadable (at most {MAX_DEPTH} are made)"
+        return _Stays(f"its structure has {levels} levels, which is unreadable (at most {MAX_DEPTH} are made)")
     return found
 
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.yaml.writer import WIDTH
 from grip_bt.compilers.machine_table import leads
 from grip_bt.compilers.resolve import Part
+from grip_bt.task import dumps
 from grip_bt.task.model import AnyNode, Fallback, Sequence, StateMachine, Task, join
 
 Place = tuple[str, ...]
@@ -27,12 +30,14 @@ class Note:
     Attributes:
         reason: why it has no equal in the other form; a phrase without a full stop.
         by_design: whether its kind never changes, such as a decorator's; nothing is missing then.
+        edges: of a state machine: those without which it would have a structure.
     """
 
     path: str
     kind: str
     reason: str
     by_design: bool = False
+    edges: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return f"{self.path}: this {self.kind} stays: {self.reason}"
@@ -112,3 +117,35 @@ def successors(part: Part) -> list[str]:
     """
     ways = [way for index in range(len(part.children)) for _, _, way in leads(part, index)]
     return list(dict.fromkeys(way.to for way in ways if way.to is not None))
+
+
+def to_text(result: Restructured, form: str, source: str) -> str:
+    """Return the file of a restructured task.
+
+    Args:
+        form: what it was made into, such as `a behaviour tree`.
+    """
+    return "".join(f"{line}\n" for line in _header(result, form, source)) + dumps(result.task)
+
+
+def _header(result: Restructured, form: str, source: str) -> Iterator[str]:
+    if not result.notes:
+        yield from _comment(f"{source} as {form}; nothing had to stay as it was.")
+        return
+    yield from _comment(f"{source} as {form}. What kept its kind, and why:")
+    reasons: dict[str, list[str]] = {}
+    for note in result.notes:
+        reasons.setdefault(note.reason, []).append(f"{result.paths[note.path]} ({note.kind})")
+    for reason, places in reasons.items():
+        yield from _comment(f"{', '.join(places)}: {reason}.", "- ")
+
+
+def _comment(text: str, mark: str = "") -> list[str]:
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=f"# {mark}",
+        subsequent_indent="# " + " " * len(mark),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

@@ -1,16 +1,17 @@
-"""Another form of a task, or of part of it: what a conversion would make of it."""
+"""Another form of a task, or of part of it: which there are, and what conversions would make of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import PurePosixPath
 
-from grip_bt.base.errors import EditError, InvalidTaskError
+from grip_bt.base.errors import EditError, GripError, InvalidTaskError
 from grip_bt.compilers.restructure import to_state_machines, to_trees
-from grip_bt.task import Task, walk
+from grip_bt.task import Fallback, Sequence, StateMachine, Task, walk
 from grip_bt.task.catalog import Catalog
+from grip_bt.task.model import join
 from grip_gui.editing.open_document import OpenDocument
-from grip_gui.wire.editing import ConversionView, Form
+from grip_gui.wire.editing import ConversionView, Form, FormsView, FormView
 
 
 def conversion_view(opened: OpenDocument, catalog: Catalog, path: str, form: Form) -> Callable[[], ConversionView]:
@@ -50,3 +51,40 @@ def _outline(task: Task, path: str) -> list[str]:
             kind = getattr(node, "kind", None) or getattr(node, "node", "")
             lines.append(f"{'  ' * depth}{each.rpartition('/')[2] or task.name}: {kind}")
     return lines
+
+
+def forms_view(opened: OpenDocument, catalog: Catalog) -> Callable[[], FormsView]:
+    """Return what finds the forms of a document's composites and state machines; it needs nobody to wait for it.
+
+    Once the document has changed, nobody asks about this one: the rest isn't looked for, so that edits have the time.
+    """
+    revision, document = opened.revision, opened.document
+
+    def found() -> FormsView:
+        forms, why = [], "the text is not a valid task"
+        if document is not None:
+            try:
+                forms, why = _forms(document.task, catalog, lambda: opened.revision == revision), ""
+            except InvalidTaskError:
+                why = "known once the task has no errors"
+            except GripError as error:
+                why = str(error)
+        return FormsView(revision=revision, forms=forms, error=why)
+
+    return found
+
+
+def _forms(task: Task, catalog: Catalog, wanted: Callable[[], bool]) -> list[FormView]:
+    notes = {}
+    for convert in (to_trees, to_state_machines):
+        if not wanted():
+            return []
+        notes.update({note.path: note for note in convert(task, catalog).notes})
+    forms = []
+    for path, node in walk(task.root):
+        if isinstance(node, StateMachine | Sequence | Fallback):
+            note = notes.get(path)
+            ends = [label.partition(" -> ")[0].partition(".") for label in note.edges] if note else []
+            edges = [(join(path, state), outcome) for state, _, outcome in ends]
+            forms.append(FormView(path=path, both=note is None, reason=note.reason if note else "", edges=edges))
+    return forms

@@ -19,7 +19,7 @@ from grip_bt.task import Task, dumps, read_text
 from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, ChangeKind, Convert, Extract, Group, command_of
 from grip_bt.task.edit.steps import Step
-from grip_gui.editing.conversion import conversion_view
+from grip_gui.editing.conversion import conversion_view, forms_view
 from grip_gui.editing.files import StaleEditError, TextFile, layout_path, recovery_of
 from grip_gui.editing.open_document import OpenDocument
 from grip_gui.editing.projection import catalog_view
@@ -127,6 +127,12 @@ def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
         found, error = catalog_of(folder)
         files = [entry.path for entry in folder.tasks()]
         return catalog_view(found, files, error.message if error else "")
+
+    @api.get("/document/forms")
+    def forms(path: str) -> wire.FormsView:
+        with desk.held(path) as opened:
+            find = forms_view(opened, catalog_of(folder)[0])
+        return find()
 
     @api.get("/document/problems")
     def problems(path: str) -> wire.ProblemsView:

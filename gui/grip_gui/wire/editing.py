@@ -96,6 +96,23 @@ class ProblemsView(Wire):
     problems: list[Problem]
 
 
+class FormView(Wire):
+    """Whether a container can be edited in both forms, as a tree and as a flow chart."""
+
+    path: str
+    both: bool
+    reason: str
+    edges: list[tuple[str, str]]  # which edges of it are in the way: (node, outcome)
+
+
+class FormsView(Wire):
+    """The forms of all composites and state machines of a task; `error` says why they aren't known."""
+
+    revision: int
+    forms: list[FormView]
+    error: str = ""
+
+
 class ConversionView(Wire):
     """What a conversion would make of a container."""
 

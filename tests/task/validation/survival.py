@@ -91,7 +91,7 @@ def run(file: Path, form: str) -> str:
 def asked(page: Any, path: str) -> Iterator[tuple[str, int, str]]:
     """Ask the page about the file in every way that changes nothing; yield what was asked, status and answer."""
     questions: list[tuple[str, dict[str, Any]]] = [
-        *(("document", {}), ("document/problems", {}), ("document/places", {}), ("task", {})),
+        *(("document", {}), ("document/forms", {}), ("document/problems", {}), ("document/places", {}), ("task", {})),
         *(("document/parts", {"node": ["/"]}), ("document/comment", {"node": "/"})),
         *(("document/conversion", {"node": "/", "form": form}) for form in ("tree", "machine")),
     ]

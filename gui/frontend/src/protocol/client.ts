@@ -15,6 +15,7 @@ import type {
   EditRequest,
   ExpressionRequest,
   FolderView,
+  FormsView,
   GeometryView,
   ImportView,
   ImportRequest,
@@ -123,6 +124,7 @@ export const server = {
   catalog: () => ask<CatalogView>("catalog"),
   document: (path: string, since = 0) => ask<DocumentView>(`document?path=${encodeURIComponent(path)}&since=${since}`),
   problems: (path: string) => ask<ProblemsView>(`document/problems?path=${encodeURIComponent(path)}`),
+  forms: (path: string) => ask<FormsView>(`document/forms?path=${encodeURIComponent(path)}`),
   places: (path: string) => ask<PlacesView>(`document/places?path=${encodeURIComponent(path)}`),
   parts: (path: string, nodes: readonly string[]) =>
     ask<Part[]>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),

@@ -167,6 +167,21 @@ export interface FolderView {
   entries: Record<string, "moveit" | "package" | "folder" | "file">;
 }
 
+/** Whether a container can be edited in both forms, as a tree and as a flow chart. */
+export interface FormView {
+  path: string;
+  both: boolean;
+  reason: string;
+  edges: [string, string][];
+}
+
+/** The forms of all composites and state machines of a task; `error` says why they aren't known. */
+export interface FormsView {
+  revision: number;
+  forms: FormView[];
+  error: string;
+}
+
 /** A frame on a link. */
 export interface FrameView {
   link: string;

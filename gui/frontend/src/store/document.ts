@@ -1,7 +1,7 @@
 /** The task file that is open: its newest state, what it can be made of, and what stands in the way of an edit. */
 import { create } from "zustand";
 
-import type { CatalogView, DocumentView } from "../protocol/generated";
+import type { CatalogView, DocumentView, FormsView } from "../protocol/generated";
 
 /** Why the last request wasn't done, where the person can decide. */
 export interface Conflict {
@@ -14,6 +14,7 @@ export interface Conflict {
 export interface DocumentStore {
   readonly document: DocumentView | null;
   readonly catalog: CatalogView;
+  readonly forms: FormsView | null;
   readonly conflict: Conflict | null;
   /** How many edits wait for a server that doesn't answer. */
   readonly waiting: number;
@@ -23,6 +24,7 @@ export interface DocumentStore {
   readonly resets: number;
   setDocument(document: DocumentView | null): void;
   setCatalog(catalog: CatalogView): void;
+  setForms(forms: FormsView): void;
   setConflict(conflict: Conflict | null): void;
   say(said: string): void;
   resetText(): void;
@@ -31,12 +33,14 @@ export interface DocumentStore {
 export const useDocument = create<DocumentStore>()((set) => ({
   document: null,
   catalog: { nodes: [], tasks: [], error: "" },
+  forms: null,
   conflict: null,
   waiting: 0,
   said: "",
   resets: 0,
-  setDocument: (document) => set({ document }),
+  setDocument: (document) => set((s) => ({ document, forms: s.document?.path === document?.path ? s.forms : null })),
   setCatalog: (catalog) => set({ catalog }),
+  setForms: (forms) => set({ forms }),
   setConflict: (conflict) => set({ conflict }),
   say: (said) => set({ said }),
   resetText: () => set((s) => ({ resets: s.resets + 1, conflict: null })),

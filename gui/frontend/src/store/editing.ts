@@ -38,6 +38,7 @@ export function take(answer: DocumentView, from: "here" | "elsewhere" | "anew" =
     useRun.getState().setError(`${before} was removed elsewhere; ${now === "/" ? "the root" : now} is selected now.`);
   }
   if (!view.checked) loadProblems();
+  loadForms();
 }
 
 /** Selection and place of a task whose nodes have changed: they follow what was moved; what is gone gives way to what is above it. */
@@ -217,6 +218,9 @@ function afterwards<T extends { readonly revision: number }>(pause: () => number
     }, pause());
   };
 }
+
+/** Which containers both forms edit; long to find in a large task, so that the next edit isn't kept waiting for it. */
+const loadForms = afterwards(() => (useRun.getState().task.nodes.length > LARGE ? 1500 : 250), server.forms, (found) => useDocument.getState().setForms(found));
 
 const loadProblems = afterwards(() => (useRun.getState().task.nodes.length > LARGE ? 400 : 60), server.problems, ({ problems }) => {
   const { document, setDocument } = useDocument.getState();

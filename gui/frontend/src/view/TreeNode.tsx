@@ -10,6 +10,7 @@ import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { OthersRing } from "./Presence";
 import { BriefSettings, briefSettings } from "./edit/ContainerForm";
+import { useForm } from "./edit/EditBar";
 import { Parameters, useFace } from "./edit/LeafForm";
 import { useDropTarget } from "./hooks";
 import { HoldMark, lensMark, ProblemMark } from "./marks";
@@ -23,6 +24,7 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
   const lens = usePage((s) => s.lens);
   const closed = usePage((s) => s.closed.has(node.path));
   const inMachine = useRun((s) => hasEdges(s.index.byPath.get(node.parent ?? "")));
+  const form = useForm(node.path);
   const target = useDropTarget(node.path);
   const said = status.phase === "idle" ? "" : (status.message ?? "");
   const again = status.activations > 1 ? ` ×${status.activations}` : "";
@@ -43,6 +45,11 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
         <HoldMark path={node.path} />
         <ProblemMark path={node.path} />
         {lensMark(node, lens)}
+        {form && !form.both && (
+          <span className="form-badge" title={`one form only: ${form.reason}`}>
+            ~
+          </span>
+        )}
         <span className={`badge phase-${status.phase}`}>
           <PhaseIcon phase={status.phase} />
           {status.phase === "idle" ? "" : statusText(status) + again}

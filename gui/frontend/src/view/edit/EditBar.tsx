@@ -2,6 +2,7 @@
 import type { JSX } from "react";
 
 import { nameOf } from "../../model/commands";
+import type { FormsView, FormView } from "../../protocol/generated";
 import { ACTIONS, actionTitle } from "../../store/actions";
 import { goUp } from "../../store/converting";
 import { chooseRun, openTask } from "../../store/desk";
@@ -108,5 +109,41 @@ export function Trail(): JSX.Element | null {
         <li aria-current="page">{name}</li>
       </ol>
     </nav>
+  );
+}
+
+/** Forms by path, found once for each answer of the server. */
+const BY_PATH = new WeakMap<FormsView, ReadonlyMap<string, FormView>>();
+
+function byPath(forms: FormsView): ReadonlyMap<string, FormView> {
+  const known = BY_PATH.get(forms) ?? new Map(forms.forms.map((form) => [form.path, form]));
+  BY_PATH.set(forms, known);
+  return known;
+}
+
+export function useForm(path: string): FormView | undefined {
+  return useDocument((s) => (s.forms === null ? undefined : byPath(s.forms).get(path)));
+}
+
+export function FormBadge({ path }: { path: string }): JSX.Element | null {
+  const form = useForm(path);
+  if (form === undefined) return null;
+  if (form.both) {
+    return (
+      <span className="form-badge" title="Can be edited as a tree and as a flow chart">
+        = both forms
+      </span>
+    );
+  }
+  return (
+    <details className="form-why">
+      <summary>~ one form only: why?</summary>
+      <p>{form.reason}</p>
+      {form.edges.map(([node, outcome]) => (
+        <button key={`${node}.${outcome}`} className="link" onClick={() => usePage.getState().select(node)}>
+          {node}.{outcome}
+        </button>
+      ))}
+    </details>
   );
 }

@@ -15,6 +15,7 @@ import { closeOnEscape } from "../TopBar";
 import { NewPane } from "../marks";
 import { KindIcon, PhaseIcon } from "../icons";
 import { ContainerForm } from "./ContainerForm";
+import { FormBadge } from "./EditBar";
 import { LeafForm } from "./LeafForm";
 import { OutcomesForm } from "./OutcomesForm";
 import { TaskForm } from "./TaskForm";
@@ -46,6 +47,7 @@ function NodeForms({ node, count }: { node: NodeView; count: number }): JSX.Elem
       </p>
       <p className="node-kind">
         {kind} {!locked && <button className="link" title={actionTitle("kind")} onClick={() => run("kind")}>Change</button>}
+        <FormBadge path={node.path} />
         {node.kind === "subtask" && <NewPane task={node.label} at="/" words="Open the subtask in a pane of its own" />}
       </p>
       <RunStatus node={node} />

@@ -13,6 +13,7 @@ import { beginWith, connect, disconnect } from "../../store/flowing";
 import { connectFree } from "../../store/gestures";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
+import { FormBadge } from "../edit/EditBar";
 import { drop, isDrag } from "../hooks";
 import { Detail, type Face, Overview, type Sight, Sketch, type Stroke, useLeastZoom, useSight, Whole } from "../drawing";
 import { NewPane } from "../marks";
@@ -89,6 +90,7 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
     <>
       <div className="flow-strip">
         <Breadcrumbs />
+        <FormBadge path={container} />
         {flow.strip && <span>{flow.strip}</span>}
         {flow.machine && canEdit && <button onClick={() => void connectFree(container)}>Connect free outcomes</button>}
         {chosen && canEdit && !isStart(chosen.source) && (

@@ -9,6 +9,7 @@ import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { OthersRing } from "../Presence";
 import { NodeSub } from "../TreeNode";
+import { useForm } from "../edit/EditBar";
 import { HoldMark, lensMark, ProblemMark } from "../marks";
 import { KindIcon, PhaseIcon } from "../icons";
 
@@ -21,6 +22,7 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
   const status = useRun((s) => s.moment.nodes.get(node.path) ?? IDLE);
   const selected = usePage((s) => s.marked.has(node.path));
   const lens = usePage((s) => s.lens);
+  const form = useForm(node.path);
   const open = usePage((s) => s.opened.has(node.path));
   const places = data["ports"] as ReadonlyMap<string, Point> | null;
   const entry = places?.get("")?.y ?? LEAD;
@@ -36,6 +38,7 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
         <HoldMark path={node.path} />
         <ProblemMark path={node.path} />
         {lensMark(node, lens)}
+        {form && !form.both && <span className="form-badge" title={form.reason}>~</span>}
       </div>
       <div className="flow-sub" style={{ paddingInlineEnd: freeWidth(item.ports) }}>
         <NodeSub node={node} what={subtitleOf(node)} />
