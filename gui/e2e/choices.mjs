@@ -94,10 +94,20 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick }) => {
   await asked.getByRole("button", { name: /fallback\(attempts, machine\)/ }).click();
   await item("machine").and(page.locator('[aria-level="3"]')).waitFor({ state: "attached" });
 
-  // The history leads back to where it began.
-  await page.getByRole("tab", { name: "History" }).click();
-  await page.getByRole("list", { name: "History" }).getByRole("button").last().click();
+  // Two branches of the history: what was left is reached again from the list.
+  await button("Undo").click();
   await item("machine").and(page.locator('[aria-level="2"]')).waitFor({ state: "attached" });
+  await pick("second");
+  await page.keyboard.press("Delete");
+  await item("second").waitFor({ state: "detached" });
+  await page.getByRole("tab", { name: "History" }).click();
+  const moments = page.getByRole("list", { name: "History" });
+  await moments.getByText("(branch)").first().waitFor();
+  const left = moments.getByRole("button").filter({ hasText: "state machine" }).first();
+  await left.click();
+  await kindIs("short", "state machine");
+  await item("second").waitFor({ state: "attached" });
+  await moments.getByRole("button").last().click();
   await fileIs("saved");
 
   // Which edges keep a machine from being a tree; each leads to its node. What people wrote in the file outlives edits.

@@ -106,7 +106,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
   await fileIs("saved");
   await eventually(() => file("short.yaml"), saved);
 
-  // Any moment is reached through the history.
+  // A branch that was left is reached through the history.
   await page.getByRole("tab", { name: "History" }).click();
   await page.getByRole("button", { name: "rename wait" }).click();
   await rowsAre(["/", "first", "pause", "attempts", "attempts/broken", "attempts/second", "machine", "machine/a", "machine/b"]);

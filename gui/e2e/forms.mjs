@@ -114,6 +114,35 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   assert.match(await saved(), /inputs: \{height: \{type: int, value: 2\}\}\noutputs: \{height: int\}/);
   await check(page, "inputs and outputs");
 
+  // A comment is written above its node, read from the text again, and shows in the history by words.
+  await pick("which");
+  const comment = page.getByLabel("Comment in the file");
+  await comment.and(page.locator(":enabled")).fill("left or right,\nas it was told");
+  await pick("left");
+  await fileIs("not saved");
+  assert.match(await saved(), /\n    # left or right,\n    # as it was told\n    which:\n/);
+  assert.equal(await comment.inputValue(), "");
+  await pick("which");
+  await page.waitForFunction(() => [...document.querySelectorAll("textarea")].some((area) => area.value === "left or right,\nas it was told"));
+  await page.getByRole("tab", { name: "History" }).click();
+  await page.getByRole("button", { name: "comment on which" }).waitFor();
+  await check(page, "a comment");
+
+  // That of the task stands at the top of its file; a line that is changed leaves the others alone.
+  await pick("lists");
+  const head = page.getByLabel("Comment at the top of the file");
+  await head.and(page.locator(":enabled")).fill("rules, waits, cases\n\nand ports");
+  await pick("which");
+  await fileIs("not saved");
+  assert.ok((await saved()).startsWith("# rules, waits, cases\n#\n# and ports\ngrip: 1\n"));
+  await pick("lists");
+  await page.waitForFunction(() => [...document.querySelectorAll("textarea")].some((area) => area.value === "rules, waits, cases\n\nand ports"));
+  await head.fill("rules, waits, cases\n\nand all ports");
+  await pick("which");
+  await fileIs("not saved");
+  assert.ok((await saved()).startsWith("# rules, waits, cases\n#\n# and all ports\ngrip: 1\n"));
+  await page.getByRole("button", { name: "comment on the task" }).first().waitFor();
+
   // All of it is edits like others.
   while (await button("Undo").isEnabled()) {
     await button("Undo").click({ force: true });

@@ -72,3 +72,9 @@ def test_a_file_that_is_there_is_not_written_over(task, tmp_path, capsys):
     assert "part.yaml" in capsys.readouterr().err
     assert (tmp_path / "tasks" / "part.yaml").read_text() == "mine"
     assert task.read_text() == TASK
+
+
+def test_a_comment_is_written(task):
+    command = {"do": "comment", "path": "first", "text": "at once\nand only once"}
+    assert main(["apply", str(task), json.dumps(command)]) == 0
+    assert task.read_text() == TASK.replace("    first:", "    # at once\n    # and only once\n    first:")

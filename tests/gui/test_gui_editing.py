@@ -66,6 +66,45 @@ def test_an_edit_is_seen_at_once_and_saved_when_asked(pen: Pen, file: Path) -> N
     assert "wait a bit: {node: flow/wait" in file.read_text()
 
 
+def test_a_comment_is_read_and_written_as_an_edit(pen: Pen) -> None:
+    def said(node: str) -> dict[str, Any]:
+        answer = pen.client.get("/api/document/comment", params={"path": TINY, "node": node})
+        assert answer.status_code == 200, answer.text
+        view: dict[str, Any] = answer.json()
+        return view
+
+    assert said("first")["comment"] == ""
+    pen.edit(do="comment", path="first", text="why\nit waits")
+    assert pen.view["text"] == TASK.replace("    first:", "    # why\n    # it waits\n    first:")
+    assert said("first") == {"revision": pen.view["revision"], "node": "first", "comment": "why\nit waits"}
+    assert pen.view["history"]["moments"][-1]["title"] == "comment on first"
+    # While the text is no task, it is that of the last one that it was.
+    pen.type(pen.view["text"] + "\noops")
+    assert said("first")["comment"] == "why\nit waits"
+    pen.step("undo")
+    assert pen.step("undo")["text"] == TASK
+    assert said("gone")["comment"] is None
+    refused = pen.edit(400, do="comment", path="first", text="a\0b")
+    assert "can't have the character" in refused["detail"]
+
+
+def test_the_comment_of_the_task_is_that_at_the_top_of_its_file(pen: Pen) -> None:
+    def said() -> Any:
+        answer = pen.client.get("/api/document/comment", params={"path": TINY, "node": ""})
+        assert answer.status_code == 200, answer.text
+        return answer.json()["comment"]
+
+    assert said() == ""
+    pen.edit(do="comment", path="", text="why\n\nit is there")
+    assert pen.view["text"] == "# why\n#\n# it is there\n" + TASK
+    assert said() == "why\n\nit is there"
+    # An edit of a page that is late by that one is still about the task.
+    pen.edit(base=pen.view["revision"] - 1, do="comment", path="", text="else")
+    assert pen.view["text"] == "# else\n" + TASK
+    pen.step("undo")
+    assert pen.step("undo")["text"] == TASK
+
+
 def test_undo_and_redo_give_the_bytes_back(pen: Pen, file: Path) -> None:
     pen.edit(do="remove", path="first")
     pen.edit(do="wrap", paths=["machine"], kind="retry", name="again", fields={"times": 2})
@@ -79,14 +118,14 @@ def test_undo_and_redo_give_the_bytes_back(pen: Pen, file: Path) -> None:
     assert "nothing to redo" in pen.step("redo", status=400)["detail"]
 
 
-def test_any_moment_is_reached_from_the_list(pen: Pen) -> None:
+def test_a_branch_that_was_left_is_reached_again(pen: Pen) -> None:
     pen.edit(do="rename", path="first", name="one")
     one = pen.view["history"]["at"]
-    pen.edit(do="rename", path="one", name="two")
-    assert pen.step("go", number=0)["text"] == TASK
+    pen.step("undo")
+    pen.edit(do="rename", path="first", name="two")
     assert pen.step("go", number=one)["task"]["nodes"][1]["name"] == "one"
     titles = [m["title"] for m in pen.view["history"]["moments"]]
-    assert titles == ["opened", "rename first to one", "rename one to two"]
+    assert titles == ["opened", "rename first to one", "rename first to two"]
 
 
 def test_what_cannot_be_done_says_why_and_changes_nothing(pen: Pen) -> None:
@@ -236,6 +275,30 @@ def test_unsaved_edits_outlive_the_server(project: Path) -> None:
     assert again.view["history"]["moments"][-1]["title"] == "recover unsaved changes"
     again.post("save")
     assert not [*(project / ".grip" / "unsaved").iterdir()]
+
+
+def test_undo_reaches_back_over_a_restart(project: Path) -> None:
+    def served() -> TestClient:
+        client = TestClient(
+            create_app(project, PlayedLauncher(), token="right"), base_url=BASE, headers={"origin": BASE}
+        )
+        client.get("/?token=right")
+        return client
+
+    first = Pen(served())
+    first.post("pin", view="flow", positions={"machine/a": [8.0, 16.0]})
+    first.edit(do="rename", path="machine", name="m")
+    first.post("save")
+    again = Pen(served())
+    assert again.view["saved"]
+    assert again.view["layout"]["flow"] == {"m/a": [8, 16]}
+    again.step("undo")
+    again.step("undo")
+    assert again.view["text"] == TASK
+    assert again.view["layout"]["flow"] == {"machine/a": [8, 16]}
+    again.post("save")
+    (project / "tasks" / ".grip" / "history" / "tiny.yaml.json").write_text("damaged")
+    assert Pen(served()).view["history"]["moments"][-1]["title"] == "opened"
 
 
 def test_windows_line_ends_and_marks_of_byte_order_stay(page: TestClient, project: Path) -> None:

@@ -12,6 +12,7 @@ from grip_bt.base.errors import EditError
 
 from ..model import Task
 from .change_kind import ChangeKind, Convert, Extract
+from .comment import Comment
 from .containers import Unwrap, Wrap
 from .editing import BaseCommand, Edit
 from .keys import Connect, Disconnect, Set, SetMeaning, Unset
@@ -57,7 +58,7 @@ class Patch(BaseCommand):
 
 
 AnyCommand = (
-    Add | Paste | Remove | Move | Rename | Set | Unset | Connect | Disconnect | Wrap | Unwrap | ChangeKind
+    Add | Paste | Remove | Move | Rename | Set | Unset | Comment | Connect | Disconnect | Wrap | Unwrap | ChangeKind
     | Convert | Extract | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome
     | Group | Patch
 )  # fmt: skip

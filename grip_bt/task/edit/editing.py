@@ -13,7 +13,7 @@ from grip_bt.base.yaml.models import diagnostic_of
 from grip_bt.base.yaml.tree import YamlMapping, from_data
 from grip_bt.task.canonical import file_data
 from grip_bt.task.document import CHILDREN
-from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Shift, Step, is_record
+from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Shift, Step, is_head, is_record
 from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, walk
 from grip_bt.task.parts import FREE_PREFIX
 
@@ -50,7 +50,8 @@ class Draft:
             _expect(inside, step.at, step.key, False)
             _insert(inside, step.at, step.key, file_data(step.value), step.index)
             return
-        _expect(inside, step.at, step.key, True)
+        if not is_head(step):
+            _expect(inside, step.at, step.key, True)
         if isinstance(step, Drop):
             inside.pop(step.key)
         elif isinstance(step, Assign):

@@ -18,7 +18,8 @@ from grip_bt.base.yaml.tree import (
 from grip_bt.base.yaml.writer import WIDTH, in_braces
 
 from ..canonical import lines_of
-from .steps import Assign, Drop, Place, Put, Rekey, Step, path_of, position_of
+from .comment import found_at, head_at, lines_of_comment
+from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_head, path_of, position_of
 from .text_places import (
     NOT_EDITABLE,
     content_end,
@@ -52,7 +53,9 @@ class Text:
             self._assign(step)
             return
         self.flush()
-        if isinstance(step, Put):
+        if isinstance(step, Remark):
+            self._remark(step)
+        elif isinstance(step, Put):
             self._put(step.at, step.key, step.value, step.index)
         elif isinstance(step, Drop):
             self._drop(step.at, step.key)
@@ -157,6 +160,29 @@ class Text:
         is_node = path_of((*step.at, step.key)) is not None
         lines = lines_of(step.key, step.value, is_node, beside if beside.startswith("#") else "")
         self._splice(begin, end, self._joined(indented(lines, entry.column), end))
+
+    def _remark(self, step: Remark) -> None:
+        column, lines = 1, lines_of_comment("/".join(step.at), step.text)
+        if is_head(step):
+            found = head_at(self.text, self.tree)
+        else:
+            if not lines and not one_entry_a_line(self.text, self._mapping(step.at)):
+                return
+            self._make_tidy(step.at)
+            if not one_entry_a_line(self.text, self._mapping(step.at)):
+                raise EditError("/".join(step.at), NOT_EDITABLE)
+            found = found_at(self.text, self._mapping(step.at), step.key)
+            column = self._entry(step.at, step.key).column
+        if found.text == step.text:
+            return
+        if found.beside and found.begin == found.end and len(lines) == 1:
+            self._splice(*found.beside, lines[0])
+            return
+        if found.beside:
+            begin, end = found.beside
+            self._splice(len(self.text[:begin].rstrip(" ")), end, "")
+        above = "".join(line + self._newline for line in indented(lines, column))
+        self._splice(found.begin, found.end if lines else found.after, above)
 
     def _drop(self, at: Place, key: str) -> str:
         inside, entry = self._mapping(at), self._entry(at, key)

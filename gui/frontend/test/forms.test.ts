@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { historyRows } from "../src/model/history";
 import { findings, matching } from "../src/model/commands";
 import { TaskIndex } from "../src/model/status";
 import { parseValue, usesOf, valueText } from "../src/model/values";
@@ -60,4 +61,21 @@ it("the lens finds writers, readers and expressions, in the scope that is meant"
     { path: "a", how: "looks at" },
   ]);
   expect(usesOf(index, "inner:v")).toEqual([{ path: "inner/b", how: "reads" }]);
+});
+
+it("the history shows where it is, and branches that were left", () => {
+  const moments = [
+    { number: 0, parent: null, title: "opened" },
+    { number: 1, parent: 0, title: "one" },
+    { number: 2, parent: 0, title: "two" },
+    { number: 3, parent: 2, title: "three" },
+  ];
+  const rows = historyRows({ at: 2, moments, can_undo: true, can_redo: true });
+  expect(rows.map((row) => [row.number, row.branch, row.current])).toEqual([
+    [3, 0, false],
+    [2, 0, true],
+    [1, 1, false],
+    [0, 0, false],
+  ]);
+  expect(rows[2]?.starts).toBe(true);
 });

@@ -11,7 +11,8 @@ from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task import Task, read_text, walk
 from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Group, History, command_of, path_after, rewrite
-from grip_bt.task.edit.steps import Shift, Step, path_of
+from grip_bt.task.edit.history import history_path, load_history, save_history
+from grip_bt.task.edit.steps import Remark, Shift, Step, path_of
 from grip_gui.editing.files import (
     ChangedOnDiskError,
     Layout,
@@ -60,6 +61,7 @@ class OpenDocument:
         self._task: Task | None = None
         self._first_layout = Layout()
         self._layouts: dict[int, Layout] = {}
+        self._history_file = history_path(file.path)
         text = file.read()
         try:
             self._begin(text)
@@ -86,8 +88,13 @@ class OpenDocument:
             log.warning("unsaved changes aren't kept: %s", error)
 
     def _begin(self, text: str) -> None:
+        """Go on with the history that was kept beside the file; begin a new one where there is none."""
         document = read_text(text, self.file.name)
-        self.history = History(document)
+        try:
+            self.history = load_history(self._history_file, document)
+        except DocumentError as error:
+            log.warning("%s", error)
+            self.history = History(document)
         self._task = document.task
         try:
             self._first_layout = read_layout(self._layout_file.read()) if self._layout_file.path.exists() else Layout()
@@ -195,18 +202,18 @@ class OpenDocument:
         before, steps = self.layout, self._settled().undo()
         self._enter(steps, before)
 
-    def redo(self) -> None:
-        """Go to the moment after, if there is one; a draft that was dropped comes back."""
+    def redo(self, number: int | None = None) -> None:
+        """Go to the moment that was left last, or to the one of this number that was made from here."""
         history = self._settled()
-        if self._dropped is not None:
+        if self._dropped is not None and number is None:
             self.draft, self._dropped = self._dropped, None
             self.revision += 1
             return
-        before, steps = self.layout, history.redo()
+        before, steps = self.layout, history.redo(number)
         self._enter(steps, before)
 
     def go(self, number: int) -> None:
-        """Go to any moment."""
+        """Go to any moment of any branch."""
         before, steps = self.layout, self._settled().go(number)
         self._enter(steps, before)
 
@@ -267,6 +274,11 @@ class OpenDocument:
         if layout != self._saved_layout and self.history is not None:
             self._layout_file.write(layout) if layout else self._layout_file.remove()
         self._saved, self._saved_layout = self.text, layout
+        if self.history is not None and self.draft is None:
+            try:
+                save_history(self.history, self._history_file)
+            except DocumentError as error:  # that keeps nobody from saving
+                log.warning("the history of %s isn't kept: %s", self.file.name, error)
         self.revision += 1
 
     def follow_disk(self) -> None:
@@ -312,7 +324,7 @@ def _moved(command: dict[str, Any], steps: tuple[Step, ...]) -> dict[str, Any]:
 
 def _sets(step: Step, path: str, key: Sequence[str]) -> bool:
     """Tell whether a step has changed a key of a node."""
-    if isinstance(step, Shift):
+    if isinstance(step, Shift | Remark):
         return False
     at, inner = step.at[: len(step.at) - len(key) + 1], (*step.at[len(step.at) - len(key) + 1 :], step.key)
     return inner == tuple(key) and path_of(at) == path

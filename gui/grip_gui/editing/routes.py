@@ -26,6 +26,7 @@ from grip_gui.editing.projection import catalog_view
 from grip_gui.editing.views import (
     catalog_of,
     check_expression,
+    comment_view,
     document_view,
     parts_view,
     places_view,
@@ -145,6 +146,11 @@ def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
         with desk.held(path) as opened:
             return places_view(opened)
 
+    @api.get("/document/comment")
+    def comment(path: str, node: str) -> wire.CommentView:
+        with desk.held(path) as opened:
+            return comment_view(opened, node)
+
     @api.get("/document/parts")
     def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> list[wire.Part]:
         with desk.held(path) as opened:
@@ -218,7 +224,7 @@ def _step(opened: OpenDocument, request: wire.StepRequest) -> None:
     if request.step == "undo":
         opened.undo()
     elif request.step == "redo":
-        opened.redo()
+        opened.redo(request.number)
     elif request.number is None:
         raise EditError("", "name the state to go to")
     else:

@@ -6,13 +6,14 @@ A text that is wrong still gives a view: with its problems.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 
 from grip_bt.app.project.catalogue import project_catalog
-from grip_bt.base.errors import DocumentError, GripError, SubtaskError, UnknownNameError
+from grip_bt.base.errors import DocumentError, EditError, GripError, SubtaskError, UnknownNameError
 from grip_bt.task import read_text, walk
 from grip_bt.task.catalog import Catalog, Manifest, manifest_of_task
 from grip_bt.task.document import Document
-from grip_bt.task.edit import Set, apply, clip_of
+from grip_bt.task.edit import Set, apply, clip_of, comment_of
 from grip_bt.task.validation import validate
 from grip_bt.task.validation.fixes import Fixer
 from grip_gui.editing.open_document import OpenDocument
@@ -155,6 +156,15 @@ def places_view(opened: OpenDocument) -> wire.PlacesView:
         places = ((path, document.position(path)) for path, _ in walk(document.task.root))
         lines = {path: place[0] for path, place in places if place}
     return wire.PlacesView(revision=opened.revision, lines=lines)
+
+
+def comment_view(opened: OpenDocument, path: str) -> wire.CommentView:
+    """Return the comment of a node, of the last task that the text was."""
+    comment = None
+    # Who asks may not have heard yet that the node is gone: that is no mistake.
+    with suppress(EditError):
+        comment = comment_of(opened.history.document, path) if opened.history else None
+    return wire.CommentView(revision=opened.revision, node=path, comment=comment)
 
 
 def parts_view(opened: OpenDocument, paths: list[str]) -> list[wire.Part]:

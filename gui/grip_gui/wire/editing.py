@@ -53,11 +53,12 @@ class HistoryEntry(Wire):
     """One state of a document in its history."""
 
     number: int
+    parent: int | None
     title: str
 
 
 class HistoryView(Wire):
-    """What can be undone and redone."""
+    """What can be undone and redone, and the branches."""
 
     at: int
     moments: list[HistoryEntry]  # the latest; those before are reached by undo
@@ -128,6 +129,14 @@ class PlacesView(Wire):
     lines: dict[str, int]
 
 
+class CommentView(Wire):
+    """What the comment of a node or of the task says in the file; empty for none, None where the node has just gone."""
+
+    revision: int
+    node: str
+    comment: str | None
+
+
 class Part(Wire):
     """A copy of a node with all below it: what a clipboard holds and `paste` takes."""
 
@@ -159,7 +168,7 @@ class TextRequest(SaveRequest):
 
 
 class StepRequest(Wire):
-    """Undo, redo, or go to a moment."""
+    """Undo, redo, or go to a moment of any branch."""
 
     path: TaskPath
     base: int

@@ -17,7 +17,7 @@ FIELDS = {
 }
 GROUPS = ["add", "remove", "move", "rename", "set", "unset", "connect", "disconnect", "wrap", "unwrap", "change_kind",
           "set_meaning", "declare", "undeclare", "rename_variable", "rename_outcome",
-          "paste"]  # fmt: skip
+          "paste", "comment"]  # fmt: skip
 
 
 def _data(node):
@@ -158,6 +158,10 @@ _MAKERS = {
     "declare": _declare,
     "undeclare": _undeclare,
     "rename_outcome": _rename_outcome,
+    "comment": lambda draw, task, path, node, containers: {
+        "path": draw(st.sampled_from([path, path, ""])),
+        "text": draw(texts),
+    },
     "paste": _paste,
     "rename_variable": lambda draw, task, path, node, containers: {
         **_undeclare(draw, task, path, node, containers),

@@ -1,4 +1,4 @@
-"""A history leads back and forth to the very bytes that were there."""
+"""A history leads back and forth, on every branch, to the very bytes that were there."""
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -40,9 +40,8 @@ def test_undone_and_redone_n_times_the_text_has_the_same_bytes(data, task, rando
 
 @unhurried
 @given(st.data(), tasks)
-def test_every_moment_can_be_reached_from_every_other_and_no_more_than_the_limit_are_kept(data, task):
-    limit = data.draw(st.integers(1, 8))
-    history = History(read_text(dumps(task)), limit)
+def test_every_moment_of_every_branch_can_be_reached_from_every_other(data, task):
+    history = History(read_text(dumps(task)))
     texts = {0: history.document.text}
     for _ in range(data.draw(st.integers(1, 8))):
         if history.can_undo and data.draw(st.booleans()):
@@ -52,23 +51,31 @@ def test_every_moment_can_be_reached_from_every_other_and_no_more_than_the_limit
         except EditError:
             continue
         texts[history.at.number] = history.document.text
-        assert len(history.moments) <= limit
+    assert [m.number for m in history.moments] == sorted(texts)
     for _ in range(3):
-        number = data.draw(st.sampled_from([moment.number for moment in history.moments]))
+        number = data.draw(st.sampled_from(sorted(texts)))
         history.go(number)
         assert history.at.number == number
         assert history.document.text == texts[number]
 
 
-def test_a_command_after_an_undo_takes_the_place_of_what_was_undone():
+def test_a_command_after_an_undo_begins_a_branch_and_the_old_one_stays():
     history = History(read_text(TEXT))
     history.do(Remove(path="a"))
     history.undo()
     history.do(Rename(path="d", name="g"))
-    assert [(m.number, m.title) for m in history.moments] == [(0, "opened"), (2, "rename d to g")]
-    assert not history.can_redo
+    assert [(m.number, m.parent, m.title) for m in history.moments] == [
+        (0, None, "opened"),
+        (1, 0, "remove a"),
+        (2, 0, "rename d to g"),
+    ]
+    history.go(1)
+    assert "# one" not in history.document.text
+    assert "d: {node: e/f}" in history.document.text
     history.undo()
     assert history.document.text == TEXT
+    history.redo()
+    assert history.at.number == 1, "redo takes the branch that was left last"
 
 
 def test_a_group_is_one_moment():

@@ -17,7 +17,7 @@ unhurried = settings(
 )
 randoms = st.randoms(use_true_random=False)
 KEEPING = ("add", "rename", "connect", "declare", "rename_variable")
-LOCAL = ("set", "unset", "add", "set_meaning", "declare", "undeclare")
+LOCAL = ("set", "unset", "add", "set_meaning", "declare", "undeclare", "comment")
 
 
 def edited(data, task, random, kinds=None):

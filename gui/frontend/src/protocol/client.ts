@@ -5,6 +5,7 @@ import type {
   BreakpointsRequest,
   CatalogView,
   CloudView,
+  CommentView,
   ComponentForm,
   Control,
   ConversionView,
@@ -126,6 +127,7 @@ export const server = {
   problems: (path: string) => ask<ProblemsView>(`document/problems?path=${encodeURIComponent(path)}`),
   forms: (path: string) => ask<FormsView>(`document/forms?path=${encodeURIComponent(path)}`),
   places: (path: string) => ask<PlacesView>(`document/places?path=${encodeURIComponent(path)}`),
+  comment: (path: string, node: string) => ask<CommentView>(`document/comment?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}`),
   parts: (path: string, nodes: readonly string[]) =>
     ask<Part[]>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),
   conversion: (path: string, node: string, form: "tree" | "machine") =>

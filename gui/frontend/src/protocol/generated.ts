@@ -60,6 +60,13 @@ export interface CommandResult {
   seconds: number;
 }
 
+/** What the comment of a node or of the task says in the file; empty for none, None where the node has just gone. */
+export interface CommentView {
+  revision: number;
+  node: string;
+  comment: string | null;
+}
+
 /** What a component can be tried with. */
 export interface ComponentForm {
   name: string;
@@ -223,10 +230,11 @@ export interface Held {
 /** One state of a document in its history. */
 export interface HistoryEntry {
   number: number;
+  parent: number | null;
   title: string;
 }
 
-/** What can be undone and redone. */
+/** What can be undone and redone, and the branches. */
 export interface HistoryView {
   at: number;
   moments: HistoryEntry[];
@@ -736,7 +744,7 @@ export interface StartRun {
   page: string;
 }
 
-/** Undo, redo, or go to a moment. */
+/** Undo, redo, or go to a moment of any branch. */
 export interface StepRequest {
   path: string;
   base: number;

@@ -2,6 +2,7 @@
 import { type JSX, type KeyboardEvent, useEffect, useRef, useState } from "react";
 
 import { nameOf } from "../model/commands";
+import { historyRows } from "../model/history";
 import { runningLeaf } from "../model/status";
 import { eventText, processNotices, seconds } from "../model/words";
 import { useDocument } from "../store/document";
@@ -139,16 +140,18 @@ export function EventLog(): JSX.Element {
 
 export function HistoryPanel(): JSX.Element {
   const history = useDocument((s) => s.document?.history);
+  const rows = history ? historyRows(history) : [];
   return (
     <section className="panel moments" aria-labelledby="moments-title">
       <h2 id="moments-title">History</h2>
       <ol className="scroll" tabIndex={0} aria-labelledby="moments-title">
-        {[...(history?.moments ?? [])].reverse().map(({ number, title }) => (
-          <li key={number}>
-            <button className="link" {...(number === history?.at ? { "aria-current": "step" as const } : {})} onClick={() => void goTo(number)}>
-              {title}
+        {rows.map((row) => (
+          <li key={row.number} style={{ paddingInlineStart: `${8 + row.branch * 18}px` }}>
+            <button className="link" {...(row.current ? { "aria-current": "step" as const } : {})} onClick={() => void goTo(row.number)}>
+              {row.title}
             </button>
-            {number === history?.at && <span className="hint"> (now)</span>}
+            {row.branch > 0 && row.starts && <span className="hint"> (branch)</span>}
+            {row.current && <span className="hint"> (now)</span>}
           </li>
         ))}
       </ol>

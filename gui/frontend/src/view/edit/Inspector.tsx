@@ -18,7 +18,7 @@ import { ContainerForm } from "./ContainerForm";
 import { FormBadge } from "./EditBar";
 import { LeafForm } from "./LeafForm";
 import { OutcomesForm } from "./OutcomesForm";
-import { TaskForm } from "./TaskForm";
+import { CommentForm, TaskForm } from "./TaskForm";
 import { ValueField } from "./fields";
 
 export function Inspector(): JSX.Element {
@@ -66,6 +66,7 @@ function NodeForms({ node, count }: { node: NodeView; count: number }): JSX.Elem
       {node.kind === "leaf" || node.kind === "subtask" ? <LeafForm node={node} locked={locked} /> : null}
       {node.kind !== "leaf" && <ContainerForm node={node} locked={locked} />}
       <OutcomesForm node={node} locked={locked} />
+      {!locked && <CommentForm path={node.path} />}
       {node.path === "/" && <TaskForm locked={locked} />}
     </>
   );

@@ -1,10 +1,12 @@
 /** What the task as a whole says: its documentation, how it ends, its variables. */
-import type { JSX } from "react";
+import { type JSX, useEffect, useState } from "react";
 
 import { variableKey } from "../../model/status";
+import { server } from "../../protocol/client";
 import type { VariableView } from "../../protocol/generated";
 import { askChoice, askText } from "../../store/ask";
 import { newPort, redeclare, removeDeclared, renameVariable, type Side } from "../../store/declaring";
+import { useDocument } from "../../store/document";
 import { edit } from "../../store/editing";
 import { nameCheck, newVariable } from "../../store/gestures";
 import { usePage } from "../../store/page";
@@ -17,6 +19,7 @@ export function TaskForm({ locked }: { locked: boolean }): JSX.Element {
     <>
       <h3>The task</h3>
       <ValueField label="What it is for" value={task.doc || undefined} type="text" lines={2} disabled={locked} set={(value) => void edit(value === undefined ? { do: "unset", path: "", key: ["doc"] } : { do: "set", path: "", key: ["doc"], value })} />
+      {!locked && <CommentForm path="" />}
       <ul className="form-list">
         {Object.entries(task.outcomes).map(([name, meaning]) => (
           <li key={name}>
@@ -140,5 +143,42 @@ export function DeclaredRow({ variable, locked }: { variable: VariableView; lock
         )}
       </div>
     </li>
+  );
+}
+
+/** After an edit the server has better things to do at first [ms]. */
+const LATER = 250;
+
+export function CommentForm({ path }: { path: string }): JSX.Element {
+  const task = useDocument((s) => s.document?.path);
+  const revision = useDocument((s) => s.document?.revision);
+  const draft = useDocument((s) => s.document?.draft ?? true);
+  const [known, setKnown] = useState<string | null>(null);
+  useEffect(() => {
+    if (task === undefined || revision === undefined) return;
+    let late = false;
+    const find = (): void =>
+      void server.comment(task, path).then(
+        (found) => late || setKnown(found.comment),
+        // The next revision asks again.
+        () => undefined,
+      );
+    const timer = setTimeout(find, known === null ? 0 : LATER);
+    return () => {
+      late = true;
+      clearTimeout(timer);
+    };
+    // Not again when it has come: `known` only says how soon.
+  }, [task, revision, path]);
+  return (
+    <ValueField
+      label={path === "" ? "Comment at the top of the file" : "Comment in the file"}
+      value={known || undefined}
+      type="text"
+      lines={path === "" ? 3 : 2}
+      doc="For whoever edits the file; drawings and runs show the documentation."
+      disabled={draft || known === null}
+      set={(text) => void edit({ do: "comment", path, text: String(text ?? "") })}
+    />
   );
 }
