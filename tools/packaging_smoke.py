@@ -180,6 +180,20 @@ def parquet(grip: Path, work: Path, around: Surroundings) -> str:
     return "grip bench report -o c.parquet"
 
 
+def cluster(grip: Path, work: Path, around: Surroundings) -> str:
+    """Run a campaign on a cluster of one node."""
+    _told(grip, work, around, "new", "lab")
+    (work / "lab/c.yaml").write_text("campaign: 1\ntask: tasks/first.yaml\nrobot: fake\nseeds: [0, 1]\n")
+    ray = grip.with_name("ray")
+    alone = {**around, "RAY_USAGE_STATS_ENABLED": "0"}
+    _told(ray, work, alone, "start", "--head", "--num-cpus", "1", "--include-dashboard", "false")
+    try:
+        _told(grip, work / "lab", alone, "bench", "c.yaml", "--cluster", "-o", "c.jsonl")
+    finally:
+        _told(ray, work, alone, "stop")
+    return "grip bench --cluster"
+
+
 def registration(grip: Path, work: Path, around: Surroundings) -> str:
     """Import what registers clouds."""
     subprocess.run([grip.with_name("python"), "-c", "import small_gicp"], cwd=work, env=around, check=True)
@@ -209,7 +223,10 @@ def everything(grip: Path, work: Path, around: Surroundings) -> str:
 
 SMOKES: Mapping[str, Callable[[Path, Path, Surroundings], str]] = {
     "": bare,
-    **{part.__name__: part for part in (motion, robots, vision, sim, ros, recording, rerun, parquet, registration)},
+    **{
+        part.__name__: part
+        for part in (motion, robots, vision, sim, ros, recording, rerun, parquet, cluster, registration)
+    },
     "all": everything,
 }
 """Extra -> what tries it; returns what was seen."""

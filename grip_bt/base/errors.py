@@ -88,6 +88,7 @@ EXTRAS = {
     "registration": "small_gicp",
     "recording": "mcap",
     "rerun": "rerun",
+    "cluster": "ray",
 }
 """Extra of our installation -> the packages that it brings, by what is imported."""
 

@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+from grip_bt.app.campaign.cluster import run_on
 from grip_bt.app.campaign.file import Campaign, head_of, read_campaign
 from grip_bt.app.campaign.provenance import difference
 from grip_bt.app.campaign.report import as_csv, as_text, write_report
@@ -23,12 +24,14 @@ from grip_bt.cli.terminal import on_stop
 
 def add_bench(parser: argparse.ArgumentParser) -> None:
     parser.usage = (
-        "grip bench CAMPAIGN [--workers N] [--resume] [--fresh] [--trial ID] [-o FILE]\n"
+        "grip bench CAMPAIGN [--workers N | --cluster [ADDRESS]] [--resume] [--fresh] [--trial ID] [-o FILE]\n"
         "       grip bench report RESULTS [--json | --csv] [-o FILE.html|.tex|.parquet|.csv|.json|.md]"
     )
     parser.add_argument("what", nargs="+", metavar="CAMPAIGN", help="the campaign's file; or `report` and its results")
     trials = whole(1, what="a number of trials")
-    parser.add_argument("--workers", type=trials, default=1, metavar="N", help="trials at a time (default: 1)")
+    parser.add_argument("--workers", type=trials, metavar="N", help="trials at a time (default: 1; all of a cluster's)")
+    doc = "run trials on a cluster of Ray: this machine's, or the one whose head has this address (HOST:6379)"
+    parser.add_argument("--cluster", nargs="?", const="auto", metavar="ADDRESS", help=doc)
     parser.add_argument("--resume", action="store_true", help="keep existing results and run only the missing trials")
     parser.add_argument("--fresh", action="store_true", help="start simulator, planner and components for every trial")
     parser.add_argument("--trial", metavar="ID", help="run one trial again, such as tree@3, and compare it; no results")
@@ -77,7 +80,7 @@ def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace, bar: term
         if not (args.json or args.csv or terminal.quiet):
             print(text, file=sys.stderr, flush=True)
 
-    say(_opening(campaign, results, len(left), args.workers))
+    say(_opening(campaign, results, len(left), args.workers or (0 if args.cluster else 1)))
     bar(0, len(left))
     began, before = time.monotonic(), len(results.rows)
 
@@ -92,7 +95,10 @@ def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace, bar: term
 
     trials = Trials(campaign, file.with_suffix(".sqlite"), ended, before=results.rows, fresh=args.fresh)
     on_stop(trials.stop)
-    trials.run(left, args.workers)
+    if args.cluster:
+        run_on(args.cluster, campaign, trials, left, args.workers)
+    else:
+        trials.run(left, args.workers or 1)
     say(f"\n{time.monotonic() - began:.0f} s; results in {file}\n")
     if results.rows:
         _print(results, args)
@@ -146,7 +152,7 @@ def _opening(campaign: Campaign, results: Results, left: int, workers: int) -> s
     ways = len(campaign.file.variants)
     return (
         f"{campaign.name}: {ways} variant{'s' if ways > 1 else ''} on {len(campaign.seeds)} seeds{kept}; "
-        f"{left} trials to run, {workers} at a time"
+        f"{left} trials to run, {f'{workers} at a time' if workers else 'as many at a time as the cluster takes'}"
     )
 
 

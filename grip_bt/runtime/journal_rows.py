@@ -92,6 +92,20 @@ def refuse_other_versions(database: sqlite3.Connection) -> None:
         raise sqlite3.DatabaseError(f"it is of version {version}, this GRIP reads version {VERSION}: {advice}")
 
 
+def take_over(file: Path, other: Path) -> None:
+    """Copy the runs of another journal, which nobody writes meanwhile; JournalError where that can't be done."""
+    try:
+        with closing(sqlite3.connect(file, timeout=30, isolation_level=None)) as database:
+            prepare_to_write(database)
+            database.execute("ATTACH ? AS other", (str(other),))
+            database.execute("BEGIN IMMEDIATE")
+            for table in ("runs", "names", "blocks", "processes", "big_values", "uses"):
+                database.execute(f"INSERT OR IGNORE INTO main.{table} SELECT * FROM other.{table}")
+            database.execute("COMMIT")
+    except sqlite3.Error as error:
+        raise JournalError(f"{file}: the runs of {other} can't be copied into it: {error}") from error
+
+
 _BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
 BAD = (sqlite3.Error, UnicodeError, OverflowError, MemoryError, ValueError, TypeError)
 """What sqlite3 raises for files that are damaged; their names of tables are in its words, decoded."""

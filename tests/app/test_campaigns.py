@@ -383,7 +383,7 @@ def test_a_variant_is_not_tried_any_more_when_its_interval_is_narrow(project, tm
     campaign, ended = read_campaign(file), []
     trials = Trials(campaign, tmp_path / "j.sqlite", ended.append)
     trials._one = lambda variant, seed, process: row(variant, seed, variant == "tree")
-    trials._fresh = True
+    trials.fresh = True
     trials.run(campaign.trials())
     tried = Counter(each["variant"] for each in ended)
     least = next(n for n in itertools.count(6) if by_hand(n, n)[1] - by_hand(n, n)[0] <= 0.5)

@@ -40,19 +40,17 @@ def provenance(campaign: Campaign, variant: str) -> Mapping[str, str]:
 
 def digest_of(path: Path) -> str:
     """Return a digest of a file, or of the files of a folder that aren't hidden, with their names."""
-    found = [path]
-    if path.is_dir():
-        found = [Path(at, name) for at, folders, names in _walk(path) for name in sorted(names) if name[0] != "."]
     whole = hashlib.sha256()
-    for file in found:
+    for file in files_of(path) if path.is_dir() else [path]:
         whole.update(f"{file.relative_to(path)}\0".encode() + hashlib.sha256(file.read_bytes()).digest())
     return whole.hexdigest()[:16]
 
 
-def _walk(folder: Path) -> Iterator[tuple[str, list[str], list[str]]]:
+def files_of(folder: Path) -> Iterator[Path]:
+    """Yield the files of a folder that aren't hidden, in an order that is the same everywhere."""
     for at, folders, names in os.walk(folder):
         folders[:] = sorted(name for name in folders if name[0] != "." and name != "__pycache__")
-        yield at, folders, names
+        yield from (Path(at, name) for name in sorted(names) if name[0] != ".")
 
 
 def _processor() -> str:

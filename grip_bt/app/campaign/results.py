@@ -91,13 +91,14 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
         CampaignError: it is there, and `resume` isn't asked; or it was made with other settings, which are named.
         NotWritableError: it can't be written.
     """
-    if not path.exists():
+    results = read(path) if path.exists() else Results(path, head)
+    if not results.rows:  # it went no further than its head
+        path.unlink(missing_ok=True)
         _append(path, {"campaign": _FORMAT, **head})
         return Results(path, head)
     if not resume:
         advice = "continue them with --resume, remove the file, or choose another one with -o"
         raise CampaignError(str(path), f"there are results already: {advice}")
-    results = read(path)
     for variant, now in head["variants"].items():
         before = results.head["variants"].get(variant)
         changed = [] if before in (None, now) else [key for key in now if now[key] != before.get(key)]

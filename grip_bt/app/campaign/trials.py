@@ -23,6 +23,7 @@ from grip_bt.app.runs.supervisor import RunProcess, Supervisor
 from grip_bt.base.errors import EvaluationError, ExpressionError, nearest
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import parse_expression
+from grip_bt.base.files import Closing
 from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import JournalReader
 from grip_bt.runtime.control import RunEnd
@@ -33,7 +34,7 @@ MOST = 500
 """A process executes so many trials."""
 _WRONG = ("error", "timed_out")
 _Compile = Callable[..., Callable[[], object]]
-_WAKE = 0.2
+WAKE = 0.2
 """How often who waits for the trials looks up [s]: a Ctrl-C that another thread is given by the system wakes nobody."""
 
 
@@ -57,8 +58,8 @@ class Trials:
         before: Iterable[TrialRow] = (),
         fresh: bool = False,
     ):
-        self._campaign, self._journal, self._ended, self._watchdog = campaign, journal, ended, watchdog
-        self._fresh, self._lock = fresh, threading.RLock()
+        self._campaign, self.journal, self._ended, self._watchdog = campaign, journal, ended, watchdog
+        self.fresh, self._lock = fresh, threading.RLock()
         self._stopped = threading.Event()
         self._under_way: set[Supervisor] = set()
         self._left: deque[_Trial] = deque()
@@ -71,14 +72,18 @@ class Trials:
 
     def run(self, trials: Iterable[_Trial], workers: int = 1) -> None:
         """Run them all, `workers` at a time, to their ends or `stop`; what `ended` raises stops them, and is raised."""
-        self._left.extend(trials)
+        self.line_up(trials)
         with ThreadPoolExecutor(workers) as pool:
             jobs = [pool.submit(self._work) for _ in range(workers)]
-            while (state := wait(jobs, _WAKE)).not_done:
+            while (state := wait(jobs, WAKE)).not_done:
                 if any(job.exception() for job in state.done):
                     self.stop()
         for job in jobs:
             job.result()
+
+    def line_up(self, trials: Iterable[_Trial]) -> None:
+        """Have `next` tell of these trials."""
+        self._left.extend(trials)
 
     @property
     def stopped(self) -> bool:
@@ -109,7 +114,8 @@ class Trials:
         good, tried = self._tally.get(row["variant"], (0, 0))
         self._tally[row["variant"]] = good + row["success"], tried + 1
 
-    def _next(self) -> _Trial | None:
+    def next(self) -> _Trial | None:
+        """Return the trial that is to be run now; None where none is left, or they were told to stop."""
         with self._lock:
             while self._left and not self._stopped.is_set():
                 trial = self._left.popleft()
@@ -117,40 +123,29 @@ class Trials:
                     return trial
         return None
 
+    def enter(self, row: TrialRow) -> None:
+        """Take note of a trial's row, and hand it on."""
+        with self._lock:
+            self._count(row)
+            self._ended(row)
+
     def _work(self) -> None:
-        """Run trials until none is left, in one process as long as nothing goes wrong."""
-        process, trials = None, 0
-        try:
-            while (trial := self._next()) is not None:
-                if process is not None and (trials >= MOST or not process.waits):
-                    process.close()
-                    process = None
-                if process is None and not self._fresh:
-                    process, trials = RunProcess(own_input=False), 0
-                row, trials = self._trial(*trial, process), trials + 1
-                if row is None:
-                    return
-                with self._lock:
-                    self._count(row)
-                    self._ended(row)
-                if row["status"] in _WRONG and process is not None:
-                    process.close()
-                    process = None
-        finally:
-            if process is not None:
-                process.close()
+        with Seat(self) as seat:
+            while (trial := self.next()) is not None and (row := seat.run(*trial)) is not None:
+                self.enter(row)
 
     def once(self, variant: str, seed: int) -> TrialRow | None:
         """Run one trial in processes of its own, and return its row; None where it was stopped."""
         return self._one(variant, seed, None)
 
-    def _trial(self, variant: str, seed: int, process: RunProcess | None) -> TrialRow | None:
+    def once_or_twice(self, variant: str, seed: int, process: RunProcess | None) -> TrialRow | None:
+        """Run one trial in a process, and again in new ones where the campaign says so; None where it was stopped."""
         row = self._one(variant, seed, process)
         if row is not None and (variant, seed) in self._repeated and row["status"] not in _WRONG:
             again = self._one(variant, seed, None)
             if again is None:
                 return None
-            row["repeated"] = difference(self._journal, row["run"], again["run"]) or "the same"
+            row["repeated"] = difference(self.journal, row["run"], again["run"]) or "the same"
         return row
 
     def _one(self, variant: str, seed: int, process: RunProcess | None) -> TrialRow | None:
@@ -180,7 +175,11 @@ class Trials:
             end |= {"status": "timed_out", "message": f"not done after {said.timeout:g} s of wall time"}
         elif end["event"] == "failed":
             end |= {"status": "error"}
-        row = judged(self._campaign, end, time.monotonic() - began, supervisor.started)
+        return self.row(variant, seed, end, time.monotonic() - began, supervisor.started)
+
+    def row(self, variant: str, seed: int, end: RunEnd, wall: float, started: Mapping[str, Any] | None) -> TrialRow:
+        """Return a trial's row, see `judged`."""
+        row = judged(self._campaign, end, wall, started)
         what = {"trial": f"{variant}@{seed}", "variant": variant, "seed": seed}
         levels = {"levels": self._campaign.levels[variant]} if variant in self._campaign.levels else {}
         return TrialRow(**{**what, **levels, **row, "provenance": self._provenance[variant]})  # type: ignore[typeddict-item]
@@ -196,9 +195,34 @@ class Trials:
             data=settings.set,
             mocks=scripted(settings.mocks),
             faults=settings.faults,
-            journal=self._journal,
+            journal=self.journal,
             watchdog=self._watchdog,
         )
+
+
+class Seat(Closing):
+    """Where trials run one after the other: in one process as long as nothing goes wrong in it, and `MOST` at most."""
+
+    def __init__(self, trials: Trials):
+        self._trials, self._count = trials, 0
+        self._process: RunProcess | None = None
+
+    def run(self, variant: str, seed: int) -> TrialRow | None:
+        """Run a trial and return its row; None where it was stopped."""
+        if self._process is not None and (self._count >= MOST or not self._process.waits):
+            self.close()
+        if self._process is None and not self._trials.fresh:
+            self._process, self._count = RunProcess(own_input=False), 0
+        row, self._count = self._trials.once_or_twice(variant, seed, self._process), self._count + 1
+        if row is not None and row["status"] in _WRONG:
+            self.close()
+        return row
+
+    def close(self) -> None:
+        """Have the process end."""
+        if self._process is not None:
+            self._process.close()
+            self._process = None
 
 
 _KNOWN = ("status", "outcome", "code", "contradicted", "duration", "wall", "objects", *STATES)
