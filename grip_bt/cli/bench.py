@@ -24,7 +24,8 @@ from grip_bt.cli.terminal import on_stop
 
 def add_bench(parser: argparse.ArgumentParser) -> None:
     parser.usage = (
-        "grip bench CAMPAIGN [--workers N | --cluster [ADDRESS]] [--resume] [--fresh] [--trial ID] [-o FILE]\n"
+        "grip bench CAMPAIGN [--workers N] [--cluster [ADDRESS]] [--resume] [--fresh] [--pictures [VIEW]] [-o FILE]\n"
+        "       grip bench CAMPAIGN --trial ID\n"
         "       grip bench report RESULTS [--json | --csv] [-o FILE.html|.tex|.parquet|.csv|.json|.md]"
     )
     parser.add_argument("what", nargs="+", metavar="CAMPAIGN", help="the campaign's file; or `report` and its results")
@@ -35,6 +36,10 @@ def add_bench(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resume", action="store_true", help="keep existing results and run only the missing trials")
     parser.add_argument("--fresh", action="store_true", help="start simulator, planner and components for every trial")
     parser.add_argument("--trial", metavar="ID", help="run one trial again, such as tree@3, and compare it; no results")
+    doc = (
+        "take a picture of each trial's end, for the report's page: by the world's first camera, or as --view of `run`"
+    )
+    parser.add_argument("--pictures", nargs="?", const="", metavar="VIEW", help=doc)
     results = "results (default: .grip/campaigns/NAME.jsonl of the project); of a report, where it is written"
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help=results)
     add_no_code(parser)
@@ -93,7 +98,9 @@ def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace, bar: term
         say(f"{_line(row, len(results.rows))}; {rate}; {_time(passed / done * trials.left)} left")
         bar(done, len(left), row["trial"])
 
-    trials = Trials(campaign, file.with_suffix(".sqlite"), ended, before=results.rows, fresh=args.fresh)
+    trials = Trials(
+        campaign, file.with_suffix(".sqlite"), ended, before=results.rows, fresh=args.fresh, view=args.pictures
+    )
     on_stop(trials.stop)
     if args.cluster:
         run_on(args.cluster, campaign, trials, left, args.workers)

@@ -133,13 +133,16 @@ def test_a_projects_files_travel_whole_without_what_is_hidden(project, tmp_path,
     (project / ".grip/runs.sqlite").write_text("many runs")
     (project / "mesh.stl").symlink_to(tmp_path / "elsewhere.stl")
     (tmp_path / "elsewhere.stl").write_text("solid")
+    (project / "nodes").rename(tmp_path / "shared")
+    (project / "grip.yaml").write_text("grip: 1\nnodes: ../shared\n")
     campaign = read_campaign(project / "campaigns/c.yaml")
     content, name = cluster._packed(campaign)
     folder = cluster._unpacked(content, "some digest")
     assert cluster._unpacked(b"", "some digest") == folder
-    assert digest_of(folder) == digest_of(project)
-    assert (folder / "mesh.stl").read_text() == "solid"
-    assert not (folder / ".grip").exists()
+    assert digest_of(folder / "lab") == digest_of(project)
+    assert (folder / "lab/mesh.stl").read_text() == "solid"
+    assert not (folder / "lab/.grip").exists()
+    assert (folder / "shared/own.py").read_text() == NODE
     assert read_campaign(folder / name).trials() == campaign.trials()
 
 

@@ -455,9 +455,11 @@ def test_two_at_once_do_not_write_the_same_results(tmp_path):
 def test_the_settings_of_a_variant_are_in_the_results(project, tmp_path):
     campaign = read_campaign(project / "campaigns/who.yaml")
     begin(tmp_path / "r.jsonl", head_of(campaign), resume=False)
+    began = begin(tmp_path / "r.jsonl", head_of(campaign), resume=False)  # there was nothing yet to go on with
     kept = read(tmp_path / "r.jsonl").head["variants"]
     assert kept["machine"]["as"] == "sm"
     assert kept["tree"]["task"] == TASK
+    began.add(row("tree", 5, True))
     with pytest.raises(CampaignError, match="results already"):
         begin(tmp_path / "r.jsonl", head_of(campaign), resume=False)
 

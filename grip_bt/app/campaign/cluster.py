@@ -19,7 +19,7 @@ from typing import Any
 
 from grip_bt.app.campaign.file import Campaign, read_campaign
 from grip_bt.app.campaign.provenance import files_of
-from grip_bt.app.campaign.results import TrialRow
+from grip_bt.app.campaign.results import TrialRow, picture_of, pictures_of
 from grip_bt.app.campaign.trials import WAKE, Seat, Trials
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
@@ -49,7 +49,8 @@ def run_on(
     with _connected(ray, address), tempfile.TemporaryDirectory() as folder:
         task = ray.remote(num_cpus=1, max_retries=RETRIES)(_run)
         content, name = _packed(campaign)
-        given = ray.put(content), hashlib.sha256(content).hexdigest()[:16], name, os.environ.get("OMP_NUM_THREADS")
+        digest, threads = hashlib.sha256(content).hexdigest()[:16], os.environ.get("OMP_NUM_THREADS")
+        given = ray.put(content), digest, name, threads, trials.view
         under_way: dict[Any, tuple[str, int]] = {}
         while True:
             room = workers or max(1, int(ray.cluster_resources().get("CPU", 0)))
@@ -60,7 +61,7 @@ def run_on(
             for ended in ray.wait(list(under_way), timeout=WAKE)[0]:
                 trial = under_way.pop(ended)
                 try:
-                    row, run = ray.get(ended)
+                    row, run, picture = ray.get(ended)
                 except RayTaskError as error:
                     raise GripError(f"a node of the cluster can't run trials: {error.cause}") from error
                 except RayError as error:
@@ -70,6 +71,8 @@ def run_on(
                 journal = Path(folder, "run.sqlite")
                 journal.write_bytes(run)
                 take_over(trials.journal, journal)
+                if picture:
+                    (trials.pictures / picture_of(row["trial"])).write_bytes(picture)
                 trials.enter(row)
 
 
@@ -88,12 +91,17 @@ def _connected(ray: Any, address: str) -> Iterator[None]:
 
 
 def _packed(campaign: Campaign) -> tuple[bytes, str]:
-    """Return the files of a campaign and of its projects as an archive, and the campaign's name in it."""
-    homes = {find_project(campaign.task(variant)).folder.resolve() for variant in campaign.file.variants}
-    file = campaign.path.resolve()
-    root, content = Path(os.path.commonpath([file.parent, *homes])), io.BytesIO()
+    """Return an archive of the files of a campaign and its projects, and the campaign's name in it."""
+    projects = {home.folder.resolve(): home for home in map(find_project, map(campaign.task, campaign.file.variants))}
+    file, places = campaign.path.resolve(), {*projects}
+    for project in projects.values():  # what it names may lie elsewhere
+        said = project.file
+        named = (said.components, said.nodes, *said.code, said.robot, said.world, said.scene)
+        places |= {(project.folder / name).resolve() for name in named if isinstance(name, str)}
+    found = {file, *(each for place in places for each in (files_of(place) if place.is_dir() else [place]))}
+    root, content = Path(os.path.commonpath([file.parent, *places])), io.BytesIO()
     with tarfile.open(fileobj=content, mode="w:gz", dereference=True, compresslevel=1) as archive:
-        for each in sorted({file, *(each for home in homes for each in files_of(home))}):
+        for each in sorted(each for each in found if each.is_file()):
             archive.add(each, str(each.relative_to(root)))
     return content.getvalue(), str(file.relative_to(root))
 
@@ -105,21 +113,21 @@ _seats: dict[str, tuple[Seat, Path]] = {}
 
 
 def _run(
-    content: bytes, digest: str, name: str, threads: str | None, variant: str, seed: int
-) -> tuple[TrialRow, bytes]:
-    """Run a trial; return its row, and the journal that holds its run."""
+    content: bytes, digest: str, name: str, threads: str | None, view: str | None, variant: str, seed: int
+) -> tuple[TrialRow, bytes, bytes]:
+    """Run a trial; return its row, the journal that holds its run, and its picture if one was taken."""
     if digest not in _seats:
         os.environ.pop("OMP_NUM_THREADS", None)  # Ray's; how numbers are added up shall not depend on where
         os.environ |= {} if threads is None else {"OMP_NUM_THREADS": threads}
         journal = Path(tempfile.mkdtemp(prefix="grip-trials-"), "run.sqlite")
         campaign = read_campaign(_unpacked(content, digest) / name)
-        _seats[digest] = Seat(Trials(campaign, journal, lambda row: None)), journal
+        _seats[digest] = Seat(Trials(campaign, journal, lambda row: None, view=view)), journal
     seat, journal = _seats[digest]
     row = seat.run(variant, seed)
     assert row is not None, "nobody stops trials on a node; their processes are ended"
-    run = journal.read_bytes()
+    run, picture = journal.read_bytes(), pictures_of(journal) / picture_of(row["trial"])
     journal.unlink()
-    return row, run
+    return row, run, picture.read_bytes() if picture.exists() else b""
 
 
 def _unpacked(content: bytes, digest: str) -> Path:

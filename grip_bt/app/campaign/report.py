@@ -5,12 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import json
+from base64 import b64encode
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.campaign.results import Results
-from grip_bt.app.campaign.statistics import summary
+from grip_bt.app.campaign.results import Results, picture_of, pictures_of
+from grip_bt.app.campaign.statistics import reason, summary
 from grip_bt.base.errors import CampaignError, MissingPartError, NotWritableError
 
 PER_VARIANT = ("task sha256", "project sha256")
@@ -146,9 +147,22 @@ def as_html(results: Results) -> str:
         cell = cells.setdefault(tuple(row["levels"][axis] for axis in axes), [0, 0])
         cell[0], cell[1] = cell[0] + row["success"], cell[1] + 1
     groups = said["factors"] or {"variant": said["variants"]}
-    return template.render(
-        said=said, groups=groups, doc=results.head["doc"], axes=axes, cells=cells, rows=records(results)
-    )
+    known = {"said": said, "groups": groups, "doc": results.head["doc"], "axes": axes, "cells": cells}
+    return template.render(**known, rows=records(results), gallery=_gallery(results))
+
+
+def _gallery(results: Results) -> dict[str, dict[str, tuple[str, int, str]]]:
+    """Return, variant by variant, of each way in which trials ended: the first that has a picture, how many, it."""
+    found: dict[str, dict[str, tuple[str, int, str]]] = {}
+    for row in results.rows:
+        file = pictures_of(results.path) / picture_of(row["trial"])
+        if not file.is_file():
+            continue
+        why = "success" if row["success"] else reason(row)
+        ways = found.setdefault(row["variant"], {})
+        trial, count, shown = ways.get(why) or (row["trial"], 0, b64encode(file.read_bytes()).decode())
+        ways[why] = trial, count + 1, shown
+    return found
 
 
 def write_parquet(results: Results, file: Path) -> None:

@@ -44,6 +44,16 @@ class TrialRow(TypedDict, total=False):
     provenance: Mapping[str, str]
 
 
+def pictures_of(results: Path) -> Path:
+    """Return the folder of the pictures that were taken of trials, beside their results."""
+    return results.with_suffix(".pictures")
+
+
+def picture_of(trial: str) -> str:
+    """Return the name of a trial's picture."""
+    return f"{trial.replace('/', '+')}.jpg"
+
+
 @dataclass
 class Results:
     """A file of results: its head (`name`, `doc`, `variants`: name -> settings), and trials in order of their ends."""

@@ -12,7 +12,7 @@ from typing import Any
 
 from grip_bt.app.campaign.file import Campaign, Plain
 from grip_bt.app.campaign.provenance import difference, provenance
-from grip_bt.app.campaign.results import TrialRow
+from grip_bt.app.campaign.results import TrialRow, picture_of, pictures_of
 from grip_bt.app.campaign.statistics import wilson
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
@@ -47,6 +47,8 @@ class Trials:
     Args:
         before: rows of earlier trials, by which the rule tells that a variant isn't tried any more.
         fresh: whether each trial has processes of its own.
+        view: from where a picture of each simulated trial's end is taken, as `grip run --view` has it; it goes into a
+            folder beside the journal. None for none.
     """
 
     def __init__(
@@ -57,9 +59,15 @@ class Trials:
         watchdog: float = 10.0,
         before: Iterable[TrialRow] = (),
         fresh: bool = False,
+        view: str | None = None,
     ):
         self._campaign, self.journal, self._ended, self._watchdog = campaign, journal, ended, watchdog
         self.fresh, self._lock = fresh, threading.RLock()
+        self.view, self.pictures = view, pictures_of(journal)
+        if view is not None and campaign.file.robot != "sim":
+            raise campaign.error("pictures are taken in a simulated world, not with `robot: fake`")
+        if view is not None:
+            self.pictures.mkdir(parents=True, exist_ok=True)
         self._stopped = threading.Event()
         self._under_way: set[Supervisor] = set()
         self._left: deque[_Trial] = deque()
@@ -197,6 +205,8 @@ class Trials:
             faults=settings.faults,
             journal=self.journal,
             watchdog=self._watchdog,
+            picture=None if self.view is None else self.pictures / picture_of(f"{variant}@{seed}"),
+            view=self.view or "",
         )
 
 
