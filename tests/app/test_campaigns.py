@@ -217,7 +217,11 @@ def test_the_referee_counts_and_not_what_the_task_says(project, capsys):
         "success: status == 'success' and placed == objects\n"
         "measure: {placed: placed, standing: standing, cleared: cleared}\n"
     )
-    assert bench(project) == 0
+    assert bench(project, "--pictures") == 0
+    write_report(read(project / ".grip/campaigns/who.jsonl"), project / "r.html")
+    page = (project / "r.html").read_text()
+    assert page.count("data:image/jpeg;base64,/9j/") == 1  # of the one way in which both ended
+    assert "2x ended as success, but the campaign" in page
     before, row = read(project / ".grip/campaigns/who.jsonl").rows
     assert row["seed"] == 3
     assert not before.get("repeated")
