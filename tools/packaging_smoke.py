@@ -135,7 +135,16 @@ def vision(grip: Path, work: Path, around: Surroundings) -> str:
 
 
 def sim(grip: Path, work: Path, around: Surroundings) -> str:
-    """Clear the table; nothing may be written into the installation."""
+    """Take something in simulation."""
+    _told(grip, work, around, "new", "lab")
+    end = json.loads(_told(grip, work / "lab", around, "run", "tasks/take.yaml", "--json").strip().splitlines()[-1])
+    if end["status"] != "success" or end["judged"] != {"held": True}:
+        raise SmokeError(f"grip run tasks/take.yaml: {end}")
+    return "grip run tasks/take.yaml: held"
+
+
+def demo(grip: Path, work: Path, around: Surroundings) -> str:
+    """Clear the table, with a component, which takes ROS; nothing may be written into the installation."""
     site = Path(
         _told(grip.with_name("python"), work, around, "-c", "import grip_bt; print(grip_bt.__path__[0])").strip()
     )
@@ -214,7 +223,7 @@ def _exported(grip: Path, work: Path, around: Surroundings, to: str, begins: byt
 
 def everything(grip: Path, work: Path, around: Surroundings) -> str:
     """Try all of them in one environment."""
-    parts = (motion, robots, vision, sim, ros, recording, registration)
+    parts = (motion, robots, vision, sim, demo, ros, recording, registration)
     folders = [work / part.__name__ for part in parts]
     for folder in folders:
         folder.mkdir()
