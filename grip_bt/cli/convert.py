@@ -53,14 +53,12 @@ def _restructured(document: Document, catalog: Catalog, args: argparse.Namespace
     if args.to == "bt":
         form, result = "a behaviour tree", restructure.to_trees(document.task, catalog)
     else:
-        form, result = "a state machine", restructure.to_state_machines(document.task, catalog, args.approximate)
+        form, result = "a state machine", restructure.to_state_machines(document.task, catalog)
     if args.strict:
         result.require_all(form)
     for note in result.notes:
         if not note.by_design:
             print(f"{args.task}: {note}", file=sys.stderr)
-    exact = "" if any(note.approximated for note in result.notes) else "exact by construction, and "
-    print(f"{args.task}: {exact}{restructure.compare(document.task, result, catalog)}", file=sys.stderr)
     return restructure.to_text(result, form, Path(args.task).name)
 
 
@@ -74,8 +72,6 @@ def add_convert(parser: argparse.ArgumentParser) -> None:
     add("--to", required=True, choices=sorted(FORMS), help=form)
     add("--view", choices=("tree", "flow"), default="tree", help="of a picture: tree (default) or flow chart")
     add("--strict", action="store_true", help="bt and sm: refuse a task that has no exact equivalent in that form")
-    inexact = "sm: approximate reactive composites by machines; the differences are shown"
-    add("--approximate", action="store_true", help=inexact)
     code = "TASK is code that makes a tree of py_trees, as `grip run` takes it: run it to draw the tree"
     add("--execute", action="store_true", help=code)
     add("--stand-ins", action="store_true", help=f"--execute: {STAND_INS}")
@@ -84,8 +80,6 @@ def add_convert(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    if args.approximate and args.to != "sm":
-        args.usage_error("--approximate is for --to sm")
     if args.execute:
         refuse([f"--execute: imports and runs {args.task}"])
         task = import_from_code(args.task, Path.cwd(), as_it_is=True, stand_ins=args.stand_ins).task

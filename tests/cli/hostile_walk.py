@@ -97,7 +97,6 @@ def verbs() -> Iterator[tuple[str, str]]:
     out = str(folder.parent / "out" / "made")
     for task in tasks:
         ways += [["convert", task, "--to", to, "-o", out] for to in FORMS]
-        ways.append(["convert", task, "--to", "sm", "--approximate", "-o", out])
     ways += [["launch", "--project", str(folder), "--check"], ["component", "list", str(folder)]]
     for file in ("evil.launch.py", "evil.launch.xml"):
         ways.append(["launch", str(folder / file), "--project", str(folder), "--check"])

@@ -188,7 +188,6 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
         "edit_text.mjs",
         "subtasks.mjs",
         "choices.mjs",
-        "counterexample.mjs",
         "forms.mjs",
         "nested_flow.mjs",
         "near.mjs",

@@ -441,7 +441,6 @@ def test_a_tangled_machine_says_which_edges_are_in_the_way(page: TestClient, pro
 def test_a_conversion_is_shown_first_and_undone_to_the_byte(pen: Pen) -> None:
     query = {"path": TINY, "node": "machine", "form": "tree"}
     shown = pen.client.get("/api/document/conversion", params=query).json()
-    assert shown["same"]
     assert shown["before"][0] == "machine: state_machine"
     assert shown["after"][0] == "machine: sequence"
     assert pen.open()["text"] == TASK
@@ -464,36 +463,8 @@ root:
 """
 
 
-def test_a_counterexample_comes_as_two_runs_that_can_be_played(page: TestClient, project: Path) -> None:
+def test_a_conversion_that_would_not_be_exact_is_refused(page: TestClient, project: Path) -> None:
     (project / TINY).write_text(REACTIVE)
-    request = {"path": TINY, "node": "/", "form": "machine"}
-    exact = page.get("/api/document/conversion", params=request)
+    exact = page.get("/api/document/conversion", params={"path": TINY, "node": "/", "form": "machine"})
     assert exact.status_code == 400
-    found = page.get("/api/document/conversion", params={**request, "approximate": "true"}).json()
-    assert not found["same"]
-    now, then = found["plays"]
-    assert [play["task"]["nodes"][0]["kind"] for play in (now, then)] == ["sequence", "state_machine"]
-    looks = [sum((e["event"], e["path"]) == ("exit", "look") for e in play["events"]) for play in (now, then)]
-    assert looks[0] > looks[1] == 1
-    for play in (now, then):
-        assert [event["seq"] for event in play["events"]] == list(range(1, len(play["events"]) + 1))
-        last = play["events"][-1]
-        assert (last["event"], last["outcome"], last["data"]) == ("run_ended", "success", {"status": "success"})
-        times = [event["t"] for event in play["events"]]
-        assert times == sorted(times)
-
-
-def test_forms_that_do_the_same_have_nothing_to_play(pen: Pen) -> None:
-    request = {"path": TINY, "node": "machine", "form": "tree"}
-    found = pen.client.get("/api/document/conversion", params=request).json()
-    assert found["same"]
-    assert found["plays"] == []
-
-
-def test_an_inexact_conversion_is_one_edit_that_was_asked_for(page: TestClient, project: Path) -> None:
-    (project / TINY).write_text(REACTIVE)
-    pen = Pen(page)
-    assert "stays" in pen.edit(400, do="convert", path="/", to="sm")["detail"]
-    pen.edit(do="convert", path="/", to="sm", approximate=True)
-    assert pen.view["task"]["nodes"][0]["kind"] == "state_machine"
-    assert pen.step("undo")["text"] == REACTIVE
+    assert "stays" in Pen(page).edit(400, do="convert", path="/", to="sm")["detail"]

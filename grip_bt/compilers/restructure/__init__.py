@@ -5,10 +5,5 @@ from grip_bt.compilers.restructure.conversion import to_trees as to_trees
 from grip_bt.compilers.restructure.subtasks import extracted as extracted
 
 from .as_edit import expanded as expanded
-from .equivalence import Comparison as Comparison
-from .equivalence import Difference as Difference
-from .equivalence import compare as compare
-from .equivalence import moved as moved
-from .equivalence import play as play
 from .result import Restructured as Restructured
 from .result import to_text as to_text

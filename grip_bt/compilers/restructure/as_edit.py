@@ -71,10 +71,8 @@ def _conversion(command: Convert, task: Task, catalog: Catalog) -> Patch:
     if command.path not in {path for path, _ in walk(task.root)}:
         raise EditError(command.path, "there is no such node")
     try:
-        if command.to == "sm":
-            result = to_state_machines(task, catalog, command.approximate, command.path)
-        else:
-            result = to_trees(task, catalog, command.path)
+        convert = to_state_machines if command.to == "sm" else to_trees
+        result = convert(task, catalog, command.path)
     except InvalidTaskError as error:
         raise EditError(command.path, f"only a task without errors is converted: {error.issues[0]}") from None
     if result.task == task:

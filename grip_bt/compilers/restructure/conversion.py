@@ -35,33 +35,27 @@ from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Fallback, Leaf, Parallel, Sequence, StateMachine, Subtask, Task, outcomes_of
 
 
-def to_state_machines(task: Task, catalog: Catalog, approximate: bool = False, within: str = "/") -> Restructured:
+def to_state_machines(task: Task, catalog: Catalog, within: str = "/") -> Restructured:
     """Return the task with every sequence and fallback that has an equal state machine as that machine.
 
     Paths stay as they are. Outcomes stay too: a machine declares `success` and `failure`, which its composite had
     without saying so.
 
     Args:
-        approximate: let a reactive composite become the machine of one with memory, which isn't the same: it doesn't
-            look at its first child again while a later one runs. Each is noted.
         within: only this node and those in it are converted.
 
     Raises:
         InvalidTaskError: the task is wrong; it holds everything that was found.
     """
-    work = _ToStates(approximate, within)
+    work = _ToStates(within)
     root = work.convert(resolve(task, catalog).root, None)
     return Restructured(task.model_copy(update={"root": root.node}), paths_of(root), tuple(work.notes))
 
 
-_APPROXIMATED = "it was reactive: as a machine it doesn't ask its first child again while a later one runs"
-
-
 class _ToStates:
-    def __init__(self, approximate: bool, within: str) -> None:
+    def __init__(self, within: str) -> None:
         self.within = within
         self.notes: list[Note] = []
-        self.approximate = approximate
 
     def convert(self, part: Part, ticker: Part | None) -> Built:
         """Return a node in its new form; `ticker` is the container above that may interrupt it, if there is one."""
@@ -71,14 +65,10 @@ class _ToStates:
             inner = part if interrupts(part) else ticker
             return kept(part, {child.name: self.convert(child, inner) for child in part.children})
         ordered = isinstance(part.node, Sequence | Fallback)
-        reactive = ordered and not getattr(part.node, "memory", True)
-        rough = reactive and self.approximate and bool(part.children)
-        reason = (None if rough else _why_not(part, ticker)) if ordered else _by_kind(part)
-        if rough:
-            self.notes.append(Note(part.path, part.node.kind, _APPROXIMATED, approximated=True))
+        reason = _why_not(part, ticker) if ordered else _by_kind(part)
         if reason:
             self.notes.append(Note(part.path, part.node.kind, reason, by_design=not ordered))
-        inner = part if interrupts(part) and not rough else ticker
+        inner = part if interrupts(part) else ticker
         same = kept(part, {child.name: self.convert(child, inner) for child in part.children})
         return same if reason is not None or not ordered else Built(_machine(part, same), same.places)
 

@@ -31,7 +31,6 @@ class Note:
         reason: why it has no equal in the other form; a phrase without a full stop.
         by_design: whether its kind never changes, such as a decorator's; nothing is missing then.
         edges: of a state machine: those without which it would have a structure.
-        approximated: whether it has changed into something that isn't quite the same, since that was asked for.
     """
 
     path: str
@@ -39,11 +38,9 @@ class Note:
     reason: str
     by_design: bool = False
     edges: tuple[str, ...] = ()
-    approximated: bool = False
 
     def __str__(self) -> str:
-        what = "isn't the same any more" if self.approximated else "stays"
-        return f"{self.path}: this {self.kind} {what}: {self.reason}"
+        return f"{self.path}: this {self.kind} stays: {self.reason}"
 
 
 @dataclass(frozen=True)

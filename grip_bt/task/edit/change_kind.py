@@ -74,8 +74,6 @@ class Convert(_TakesCatalog):
     path: str
     to: Literal["bt", "sm"]
     """Sequences, fallbacks and repeats; or state machines."""
-    approximate: bool = False
-    """Of `sm`: reactive composites too, which then aren't the same."""
 
     def in_words(self) -> str:
         return f"convert {path_in_words(self.path)} to {'composites' if self.to == 'bt' else 'state machines'}"

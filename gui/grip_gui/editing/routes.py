@@ -157,9 +157,9 @@ def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
             return parts_view(opened, node)
 
     @api.get("/document/conversion")
-    def conversion(path: str, node: str, form: wire.Form, approximate: bool = False) -> wire.ConversionView:
+    def conversion(path: str, node: str, form: wire.Form) -> wire.ConversionView:
         with desk.held(path) as opened:
-            find = conversion_view(opened, catalog_of(folder)[0], node, form, approximate)
+            find = conversion_view(opened, catalog_of(folder)[0], node, form)
         return find()
 
     @api.post("/document/expression")

@@ -6,7 +6,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from grip_gui.wire.runs import RunEvent
 from grip_gui.wire.task import Meaning, Problem, TaskView, Wire
 
 TaskPath = Annotated[str, Field(max_length=1024)]
@@ -115,27 +114,12 @@ class FormsView(Wire):
     error: str = ""
 
 
-class CounterexampleView(Wire):
-    """One form of a task as it was run with scripted leaves: a run that no journal holds."""
-
-    task: TaskView
-    status: str  # how it ended: success, failure, error, or stopped where it goes on and on
-    outcome: str | None
-    events: list[RunEvent]
-
-
 class ConversionView(Wire):
-    """What a conversion would make of a container, and what came of running both forms with scripted leaves."""
+    """What a conversion would make of a container."""
 
     before: list[str]  # kinds and names, a line a node, indented
     after: list[str]
     kept: list[str]  # what stays as it is, and why
-    same: bool
-    compared: str
-    script: list[str] = []  # where they differ: how each leaf ends
-    does_before: list[str] = []
-    does_after: list[str] = []
-    plays: list[CounterexampleView] = []  # where they differ: what the form as it is does, and what the other one would
 
 
 class PlacesView(Wire):

@@ -67,12 +67,9 @@ def looked_at(document: Document, file: Path, catalog: Any) -> Report:
     assert fmt(fmt(document.text)) == fmt(document.text)
     for to in FORMS:
         for view in ("tree", "flow") if to in ("svg", "dot", "mermaid") else ("tree",):
-            for approximate in (False, True) if to == "sm" else (False,):
-                args = SimpleNamespace(
-                    to=to, view=view, strict=False, approximate=approximate, task=str(file), output="-"
-                )
-                with contextlib.suppress(GripError), contextlib.redirect_stderr(io.StringIO()):
-                    converted(document, catalog, args)  # type: ignore[arg-type]
+            args = SimpleNamespace(to=to, view=view, strict=False, task=str(file), output="-")
+            with contextlib.suppress(GripError), contextlib.redirect_stderr(io.StringIO()):
+                converted(document, catalog, args)  # type: ignore[arg-type]
     return report
 
 
@@ -96,7 +93,7 @@ def asked(page: Any, path: str) -> Iterator[tuple[str, int, str]]:
     questions: list[tuple[str, dict[str, Any]]] = [
         *(("document", {}), ("document/forms", {}), ("document/problems", {}), ("document/places", {}), ("task", {})),
         *(("document/parts", {"node": ["/"]}), ("document/comment", {"node": "/"})),
-        *(("document/conversion", {"node": "/", "form": form, "approximate": True}) for form in ("tree", "machine")),
+        *(("document/conversion", {"node": "/", "form": form}) for form in ("tree", "machine")),
     ]
     for question, more in questions:
         answer = page.get(f"/api/{question}", params={"path": path, **more})

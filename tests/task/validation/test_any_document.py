@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
@@ -12,7 +11,6 @@ import schema_documents
 import survival
 from hypothesis import HealthCheck, given, settings
 
-from grip_bt.compilers.restructure import equivalence
 from grip_bt.task.document import keys_of
 from grip_bt.task.model import KINDS
 
@@ -21,11 +19,9 @@ SOME = FUZZ or 40
 
 
 @pytest.fixture(scope="module")
-def file(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A task file of a project with a robot; both forms are compared by few scripts, which others do at length."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(equivalence, "RUNS", 5)
-        yield survival.project(tmp_path_factory.mktemp("any"))
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A task file of a project with a robot."""
+    return survival.project(tmp_path_factory.mktemp("any"))
 
 
 def test_each_key_of_each_kind_has_values() -> None:

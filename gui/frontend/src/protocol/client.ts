@@ -130,8 +130,8 @@ export const server = {
   comment: (path: string, node: string) => ask<CommentView>(`document/comment?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}`),
   parts: (path: string, nodes: readonly string[]) =>
     ask<Part[]>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),
-  conversion: (path: string, node: string, form: "tree" | "machine", approximate: boolean) =>
-    ask<ConversionView>(`document/conversion?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}&form=${form}&approximate=${approximate}`),
+  conversion: (path: string, node: string, form: "tree" | "machine") =>
+    ask<ConversionView>(`document/conversion?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}&form=${form}`),
   edit: (request: EditRequest, since: number) => ask<DocumentView>(`document/edit?since=${since}`, request),
   text: (request: TextRequest, since: number) => ask<DocumentView>(`document/text?since=${since}`, request),
   step: (request: StepRequest, since: number) => ask<DocumentView>(`document/step?since=${since}`, request),

@@ -91,25 +91,11 @@ export interface ControlRequest {
   over: boolean;
 }
 
-/** What a conversion would make of a container, and what came of running both forms with scripted leaves. */
+/** What a conversion would make of a container. */
 export interface ConversionView {
   before: string[];
   after: string[];
   kept: string[];
-  same: boolean;
-  compared: string;
-  script: string[];
-  does_before: string[];
-  does_after: string[];
-  plays: CounterexampleView[];
-}
-
-/** One form of a task as it was run with scripted leaves: a run that no journal holds. */
-export interface CounterexampleView {
-  task: TaskView;
-  status: string;
-  outcome: string | null;
-  events: RunEvent[];
 }
 
 /** Reload from the file for what is here. */

@@ -1,26 +1,17 @@
-/** Conversion to the other form: looked at, compared, and only then done, as one edit. */
+/** Conversion to the other form: looked at, and only then done, as one edit. */
 import { type Command, nameOf } from "../model/commands";
 import { hasEdges, kindTitle } from "../model/kinds";
 import { server } from "../protocol/client";
 import type { ConversionView, NodeView } from "../protocol/generated";
-import { askChoice, askText, type Option } from "./ask";
-import { chooseTask, openTask } from "./desk";
+import { askChoice, askText } from "./ask";
+import { chooseTask } from "./desk";
 import { useDocument } from "./document";
 import { edit } from "./editing";
 import { type Above, usePage } from "./page";
-import { keepPlays, showPlay, sideOf, SIDES, useRun } from "./run";
+import { useRun } from "./run";
 import { loadProject, useProject } from "./tasks";
 
 type Form = "tree" | "machine";
-
-/** What a person can ask for: a form, and whether what then isn't the same comes along. */
-interface Wish {
-  readonly path: string;
-  readonly node: string;
-  readonly name: string;
-  readonly form: Form;
-  readonly approximate: boolean;
-}
 
 export async function askConversion(node = usePage.getState().selected ?? "/"): Promise<void> {
   const { document } = useDocument.getState();
@@ -29,46 +20,30 @@ export async function askConversion(node = usePage.getState().selected ?? "/"): 
   const chosen = await askForm(view.name, view.kind);
   if (chosen === null) return;
   const form: Form = chosen === "tree" ? "tree" : "machine";
-  const request: Wish = { path: document.path, node, name: view.name, form, approximate: chosen === ROUGHLY };
   try {
-    await decide(request, await server.conversion(request.path, node, form, request.approximate));
+    await decide(node, view.name, form, await server.conversion(document.path, node, form));
   } catch (error) {
     useRun.getState().setError(error instanceof Error ? error.message : String(error));
   }
 }
 
-/** What was found is shown; the person plays it, converts, or leaves it. */
-async function decide(request: Wish, found: ConversionView): Promise<void> {
-  const plays: Option[] = SIDES.map(([side, label], i) => ({
-    value: side,
-    label: `Play it ${label.toLowerCase()}`,
-    detail: `The counterexample on the time line: ${(i === 0 ? found.does_before : found.does_after).at(-1) ?? ""}`,
-  }));
+/** What was found is shown; the person converts, or leaves it. */
+async function decide(node: string, name: string, form: Form, found: ConversionView): Promise<void> {
   const answer = await askChoice({
-    title: `${request.name} as a ${WORDS[request.form]}`,
+    title: `${name} as a ${WORDS[form]}`,
     label: "What to do",
-    lead: leadOf(found),
+    lead: ["Both forms do the same.", ...found.kept.map((why) => `${why}.`)].join(" "),
     columns: [
       { title: `Now (${found.before.length} nodes)`, lines: found.before },
       { title: `Then (${found.after.length} nodes)`, lines: found.after },
     ],
     options: [
-      ...(found.plays.length > 0 ? plays : []),
-      { value: "yes", label: found.same ? "Convert" : "Convert anyway", detail: "One edit; undo restores the file exactly" },
+      { value: "yes", label: "Convert", detail: "One edit; undo restores the file exactly" },
       { value: "no", label: "Leave it as it is" },
     ],
   });
-  if (answer === "now" || answer === "then") {
-    keepPlays(found, () => void decide(request, found));
-    showPlay(answer);
-    return;
-  }
-  if (answer === null) return;
-  if (sideOf(useRun.getState().record) !== null) await openTask(request.path, request.node);
-  if (answer === "yes") await edit({ do: "convert", path: request.node, to: request.form === "tree" ? "bt" : "sm", approximate: request.approximate });
+  if (answer === "yes") await edit({ do: "convert", path: node, to: form === "tree" ? "bt" : "sm" });
 }
-
-const ROUGHLY = "roughly";
 
 const WORDS: Record<Form, string> = { tree: "behaviour tree", machine: "state machine" };
 
@@ -78,14 +53,7 @@ async function askForm(name: string, kind: string): Promise<string | null> {
     { value: "machine", label: "To a state machine", detail: "Sequences, fallbacks and loops in it become states and edges" },
   ];
   if (!hasEdges({ kind })) options.reverse();
-  options.push({ value: ROUGHLY, label: "To a state machine, approximately", detail: "Reactive containers too, with memory instead: a counterexample shows the difference" });
   return askChoice({ title: `Convert ${name} (${kindTitle(kind)})`, label: "Form", options });
-}
-
-function leadOf(found: ConversionView): string {
-  const kept = found.kept.length > 0 ? ` ${found.kept.join("; ")}.` : "";
-  if (found.same) return `Both forms are ${found.compared}.${kept}`;
-  return `They are not the same. When ${found.script.join(", ")}: now ${found.does_before.join(", ")}; then ${found.does_after.join(", ")}.${kept}`;
 }
 
 const FILE = /^tasks\/[A-Za-z0-9_][A-Za-z0-9_ /-]*\.yaml$/;

@@ -6,7 +6,7 @@ import { useDocument } from "./document";
 import { heardOfRevisions, serverIsBack, take } from "./editing";
 import { givenName, keepName, lookedAt, ownSelection, tellSelection, useOthers } from "./others";
 import { type Above, usePage } from "./page";
-import { isKept, useRun } from "./run";
+import { useRun } from "./run";
 import { useRunning } from "./runDesk";
 
 let socket: Socket | null = null;
@@ -32,7 +32,7 @@ export function connect(): () => void {
     request: () => {
       const { record, history } = useRun.getState();
       const run = record?.id;
-      return isKept(run) ? { type: "subscribe", run, from_seq: history.nextSeq } : null;
+      return run !== undefined ? { type: "subscribe", run, from_seq: history.nextSeq } : null;
     },
   });
   const tell = (): void => {

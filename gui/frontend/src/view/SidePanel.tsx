@@ -5,7 +5,7 @@ import { variableKey } from "../model/status";
 import { usesOf } from "../model/values";
 import type { ValueView, VariableView } from "../protocol/generated";
 import { usePage } from "../store/page";
-import { isKept, useRun } from "../store/run";
+import { useRun } from "../store/run";
 import { server } from "../protocol/client";
 import { askText } from "../store/ask";
 
@@ -42,8 +42,7 @@ function VariableRow({ variable }: { variable: VariableView }): JSX.Element {
   const lit = usePage((s) => s.lens === key);
   const index = useRun((s) => s.index);
   const preview = value?.preview ?? variable.initial ?? "";
-  const id = useRun((s) => s.record?.id);
-  const run = isKept(id) ? id : undefined;
+  const run = useRun((s) => s.record?.id);
   const [open, setOpen] = useState(false);
   return (
     <>

@@ -6,7 +6,7 @@ import { spansOf } from "../model/timeline";
 import type { RunRecord } from "../protocol/generated";
 import { chooseRun, listRuns } from "../store/desk";
 import { usePage } from "../store/page";
-import { hold, isKept, play, sideOf, useReplay, useRun } from "../store/run";
+import { hold, play, useReplay, useRun } from "../store/run";
 
 /** So that a single bar doesn't fill the whole height. */
 const LEAST_LANES = 2;
@@ -132,10 +132,9 @@ function RunPicker(): JSX.Element {
   return (
       <select
         aria-label="Run to look at"
-        value={record?.id ?? ""} onChange={(event) => isKept(event.target.value || undefined) && void chooseRun(event.target.value)}
+        value={record?.id ?? ""} onChange={(event) => event.target.value !== "" && void chooseRun(event.target.value)}
       >
         {!record && <option value="">choose a run</option>}
-        {record && sideOf(record) !== null && <option value={record.id}>counterexample · {record.outcome ?? record.status}</option>}
         {runs.map((entry) => (
           <option key={entry.id} value={entry.id}>
             {`${new Date(entry.started * 1000).toLocaleString()} · ${entry.task_name} · ${entry.outcome ?? entry.status}`}

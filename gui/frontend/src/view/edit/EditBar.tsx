@@ -9,7 +9,7 @@ import { chooseRun, openTask } from "../../store/desk";
 import { useDocument } from "../../store/document";
 import { redo, save, undo } from "../../store/editing";
 import { usePage, type ViewName } from "../../store/page";
-import { showPlay, type Side, sideOf, SIDES, usePlays, useRun } from "../../store/run";
+import { useRun } from "../../store/run";
 
 const VIEWS: readonly [ViewName, string][] = [
   ["tree", "Tree"],
@@ -25,7 +25,6 @@ export function EditBar(): JSX.Element {
   const view = usePage((s) => s.view);
   const beside = usePage((s) => s.beside);
   const history = document?.history;
-  const played = sideOf(record) !== null;
   const waiting = useDocument((s) => s.waiting);
   return (
     <div className="edit-bar" role="toolbar" aria-label="Editing">
@@ -46,7 +45,7 @@ export function EditBar(): JSX.Element {
       <span className="grow" />
       {record ? (
         <>
-          {played ? <PlayBar /> : <span className="hint">Record of a run: read only</span>}
+          <span className="hint">Record of a run: read only</span>
           <button onClick={() => void openTask(document?.path ?? record.task_path)}>Edit the task</button>
         </>
       ) : (
@@ -89,27 +88,6 @@ function UnderWay(): JSX.Element | null {
         A run goes on with the text that it began with
       </span>
       <button onClick={() => void chooseRun(run)}>Show the run</button>
-    </>
-  );
-}
-
-const SHORT: Record<Side, string> = { now: "Now", then: "Then" };
-
-export function PlayBar(): JSX.Element | null {
-  const side = useRun((s) => sideOf(s.record));
-  const decide = usePlays((s) => s.decide);
-  if (side === null) return null;
-  return (
-    <>
-      <span className="hint">Counterexample</span>
-      <div className="segments" role="group" aria-label="Form that is played">
-        {SIDES.map(([name, label]) => (
-          <button key={name} title={label} aria-pressed={side === name} onClick={() => showPlay(name)}>
-            {SHORT[name]}
-          </button>
-        ))}
-      </div>
-      <button onClick={decide}>Decide</button>
     </>
   );
 }
