@@ -41,6 +41,7 @@ from .trajectory.limits import Limits, refuse_beyond_limits
 END_TOLERANCE = 0.05
 """A motion that ends further than this [rad] from its last point did not succeed."""
 _REMEMBERED = 8
+_PLANNED = 4
 
 
 class RobotGeometry(Protocol):
@@ -109,7 +110,10 @@ class ArmCommander:
         self._lock = threading.Lock()
         self._reached_by: list[tuple[Pose, JointState]] = []
         self.follows: Trajectory | None = None
-        """The motion that it was told to follow last."""
+        """The motion that it was told to follow last, `moving` while it does."""
+        self.moving = False
+        self.planned: tuple[Trajectory, ...] = ()
+        """Motions that were planned and not begun, of each series of plans the next one first."""
 
     @property
     def name(self) -> str:
@@ -219,8 +223,14 @@ class ArmCommander:
                 refuse_beyond_limits(plan.trajectory, limits)
         except (OutOfLimitsError, UnknownNameError) as error:
             return Operation.failed(error)
-        self.follows = plan.trajectory
-        return self._executor.execute(plan.trajectory).then(lambda measured: _verified(plan, measured))
+        # What was planned before it has been thought better of.
+        ends = plan.trajectory.positions[[0, -1]]
+        own = [number for number, way in enumerate(self.planned) if np.array_equal(way.positions[[0, -1]], ends)]
+        self.planned = self.planned[own[-1] + 1 :] if own else self.planned
+        motion = self._executor.execute(plan.trajectory)
+        self.follows, self.moving = plan.trajectory, True
+        motion.add_done_callback(lambda: self._ended(plan.trajectory))
+        return motion.then(lambda measured: _verified(plan, measured))
 
     def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
         return self._planner.submit(ChooseGrasp(self._situation(), tuple(grasps))).then(self._remember)
@@ -258,10 +268,18 @@ class ArmCommander:
         begin = replace(situation.start, velocity=velocity_of(start, names))
         linear, angular = (tuple(map(float, part)) for part in twist)
         request = PlanServoStep(replace(situation, start=begin, settings=self._own_settings()), linear, angular, hold)
-        return self._ask(request).then(lambda plan: Operation.finished(plan.trajectory))
+        return self._planner.submit(request).then(lambda plan: Operation.finished(plan.trajectory))  # type: ignore[union-attr]
 
     def _ask(self, request: Request) -> Operation[Plan]:
-        return self._planner.submit(request)  # type: ignore[return-value]
+        return self._planner.submit(request).then(self._keep)  # type: ignore[arg-type]
+
+    def _keep(self, plan: Plan) -> Operation[Plan]:
+        self.planned = (*self.planned, plan.trajectory)[-_PLANNED:]
+        return Operation.finished(plan)
+
+    def _ended(self, motion: Trajectory) -> None:
+        if self.follows is motion:
+            self.moving = False
 
     def _remember(self, chosen: Plan | ChosenGrasp | None) -> Operation[Grasp]:
         assert isinstance(chosen, ChosenGrasp)

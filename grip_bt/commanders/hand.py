@@ -16,7 +16,7 @@ from grip_bt.base.failures import NoContactError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import HandPort, Touch
 from grip_bt.base.values import JointState
-from grip_bt.base.values.joints import Closing, Span
+from grip_bt.base.values.joints import Closing, ContactPoint, Span
 
 from .taught import TaughtStates
 
@@ -128,6 +128,10 @@ class HandCommander:
         """Return the contact force [N] of each link of the hand that touches something, from 0.1 N on."""
         felt = self._port.contacts() if self._touch is None else self._touch.contacts()
         return {link: force for link, force in felt.items() if force >= TOUCH}
+
+    def contact_points(self) -> Sequence[ContactPoint]:
+        """Return where the hand presses on something; nothing where only forces are felt, as a real one's are."""
+        return getattr(self._port, "contact_points", tuple)()
 
     def slips(self) -> Mapping[str, float]:
         if self._touch is None:

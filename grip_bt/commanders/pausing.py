@@ -251,7 +251,7 @@ class PausableHand(_InParts[tuple[JointState, float, float | None, float | None]
         super().__init__(
             hand, lambda job: hand.move(*job), lambda job, passed: (job[0], max(job[1] - passed, SHORTEST), *job[2:])
         )
-        self.contacts = hand.contacts
+        self.contacts, self.contact_points = hand.contacts, getattr(hand, "contact_points", tuple)
 
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None

@@ -325,8 +325,8 @@ class Server:
         return self.world.robot.measure(rows)._asdict() if rows.size else {}
 
     def _call_feel(self, number: int, names: list[str], what: str) -> Answer:
-        """Say what the hand of some joints feels: `hand_contacts`, `slips` or `wrench`."""
-        if what not in ("hand_contacts", "slips", "wrench"):
+        """Say what the hand of some joints feels: `hand_contacts`, `contact_points`, `slips` or `wrench`."""
+        if what not in ("hand_contacts", "contact_points", "slips", "wrench"):
             raise LookupError(f"nothing feels {what!r}")
         felt = getattr(self.world, what)(self.world.robot.hand_of(int(self.world.robot.rows(names)[0])))
         return {"felt": felt.tolist() if isinstance(felt, np.ndarray) else felt}

@@ -15,6 +15,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
+from grip_bt.base.values.joints import ContactPoint
 from grip_bt.commanders.description.load import load_robot
 from grip_sim.client import SimClient
 from grip_sim.connection import Reply
@@ -98,6 +99,10 @@ class SimHand(_Joints):
 
     def contacts(self) -> Mapping[str, float]:
         return self._client.ask("feel", names=list(self._names), what="hand_contacts").fields["felt"]
+
+    def contact_points(self) -> list[ContactPoint]:
+        felt = self._client.ask("feel", names=list(self._names), what="contact_points").fields["felt"]
+        return [ContactPoint(link, other, tuple(at), tuple(force)) for link, other, at, force in felt]
 
     def slips(self) -> Mapping[str, float]:
         return self._client.ask("feel", names=list(self._names), what="slips").fields["felt"]

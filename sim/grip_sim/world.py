@@ -85,7 +85,12 @@ class World:
         self._links = {link.name: link for link in self.robot.links}
         check_names(spec, self._links)
         hands = self.robot.description.hands.items()
+<<<<<<< HEAD
         self._fingers = {hand: {self._links[name] for name in names if name in self._links} for hand, names in hands}
+=======
+        self._fingers = {hand: {link for link in self.robot.links if link.name in names} for hand, names in hands}
+        self._links = frozenset(self.robot.links)
+>>>>>>> e9ac18c3 (page: planned motions as dots, contacts as points with forces in 3D, live and replayed; what is over fades)
         self._liquids = Liquids(self._underside, self._uprightness)
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self.articulated = {
@@ -207,12 +212,30 @@ class World:
 
     def hand_contacts(self, hand: str) -> Mapping[str, float]:
         """Return the contact force [N] of each link of a hand that touches something that isn't the robot."""
+<<<<<<< HEAD
         fingers, forces = {link.name for link in self._fingers.get(hand, ())}, dict[str, float]()
         for contact in self.contacts():
             for link, other in ((contact.first, contact.second), (contact.second, contact.first)):
                 if link in fingers and other not in self._links:
                     forces[link] = forces.get(link, 0.0) + contact.force
+=======
+        forces: dict[str, float] = {}
+        for link, _, contact in self._touching(hand):
+            force = float(np.linalg.norm(np.sum([point.impulse for point in contact.points], axis=0) / self.spec.dt))
+            if force > TOUCH:
+                forces[link.entity.name] = forces.get(link.entity.name, 0.0) + force
+>>>>>>> e9ac18c3 (page: planned motions as dots, contacts as points with forces in 3D, live and replayed; what is over fades)
         return forces
+
+    def contact_points(self, hand: str) -> list[tuple[str, str, list[float], list[float]]]:
+        """Return where a hand presses: link, other body, position and force on that body, in world [m], [N]."""
+        return [
+            (link.entity.name, body.entity.name, point.position.tolist(), force.tolist())
+            for link, body, contact in self._touching(hand)
+            for point in contact.points
+            for force in [point.impulse / (-self.spec.dt if contact.bodies[0] is link else self.spec.dt)]
+            if np.linalg.norm(force) > TOUCH
+        ]
 
     def slips(self, hand: str) -> Mapping[str, float]:
         """Return how fast something slides along each link of a hand [m/s]; see `touch.Slipping`."""
@@ -235,14 +258,19 @@ class World:
 
     def _holding(self, hand: str) -> Iterator[tuple[Any, Any, physx.PhysxContact]]:
         """Yield the contacts of a hand's links and objects, with the link and the body."""
-        fingers = self._fingers[hand]
+        for link, body, contact in self._touching(hand):
+            if (name := body.entity.name) in self._objects or name in self._mechanisms:
+                yield link, body, contact
+
+    def _touching(self, hand: str) -> Iterator[tuple[Any, Any, physx.PhysxContact]]:
+        """Yield the contacts of a hand's links with what isn't the robot, with the link and the body."""
+        fingers = self._fingers.get(hand, ())
         for contact in self._scene.get_contacts():
             one, two = contact.bodies
             if (one in fingers) == (two in fingers):
                 continue  # names take their time, and most contacts are of others
             link, body = (one, two) if one in fingers else (two, one)
-            name = body.entity.name
-            if (name in self._objects or name in self._mechanisms) and name not in self._moved:
+            if body not in self._links and body.entity.name not in self._moved:
                 yield link, body, contact
 
     def measures(self) -> dict[str, float]:

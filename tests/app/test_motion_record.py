@@ -13,6 +13,7 @@ from grip_bt.app.runs.motion_record import KEPT, MOST_CELLS, Bodies, few_cells, 
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import SimulatorLostError
 from grip_bt.base.values import JointState, Pose, Trajectory
+from grip_bt.base.values.joints import ContactPoint
 from grip_bt.base.values.solids import CellMap, Mesh
 from grip_bt.commanders.fake import FakeArm, FakeHand
 from grip_bt.commanders.scene import PlanningScene
@@ -74,6 +75,49 @@ def test_the_way_of_a_motion_and_what_touches_are_told_once_each(tmp_path: Path)
     assert way.shape[1] == len(joints)
     assert way[0].tolist() == [float(joints.index(joint)) for joint in arm.state().names]
     assert way[-1].tolist() == [1.0] * len(joints)
+
+
+def test_a_motion_is_planned_begun_and_over_and_contacts_have_points(tmp_path: Path) -> None:
+    class Planning:
+        def __init__(self) -> None:
+            self.follows: Trajectory | None = None
+            self.moving, self.planned, self.asked = False, tuple[Trajectory, ...](), 0
+
+        def state(self) -> JointState:
+            self.asked += 1
+            match self.asked:
+                case 2:
+                    self.planned = (there, back)
+                case 4:
+                    self.planned, self.follows, self.moving = (back,), there, True
+                case 8:
+                    self.moving = False
+                    over.set()
+            return JointState(("a",), [0.0])
+
+    class Pressing(FakeHand):
+        def contacts(self) -> dict[str, float]:
+            return {"tip": 2.0}
+
+        def contact_points(self) -> list[ContactPoint]:
+            slight = ContactPoint("tip", "can", (0.0, 0.0, 0.0), (0.0, 0.01, 0.0))
+            return [ContactPoint("tip", "can", (0.1, 0.2, 0.30001), (0.0, 0.0, 2.04)), slight]
+
+    over = threading.Event()
+    there, back = (
+        Trajectory(("a",), np.array([0.0, 1.0]), np.array(rows)) for rows in ([[0.0], [1.0]], [[1.0], [0.0]])
+    )
+    arm, hand = Planning(), Pressing(JointState(("finger",), [0.0]))
+    with recorded_motion(Resources(arms={"right": arm}, hands={"hand": hand}), WallClock(), tmp_path / "j", "one"):
+        assert over.wait(120)
+    _, *rest = lines(motion_file(tmp_path / "j", "one"))
+    plans = [[(way[0], way[-1]) for way in line["plans"]["right"]] for line in rest if "plans" in line]
+    assert plans == [[([0.0], [1.0]), ([1.0], [0.0])], [([1.0], [0.0])]]
+    ways = [line["way"]["right"] for line in rest if "way" in line]
+    assert [way and (way[0], way[-1]) for way in ways] == [([0.0], [1.0]), []]
+    assert [line["press"] for line in rest if "press" in line] == [
+        {"hand": [["tip", "can", [0.1, 0.2, 0.3], [0.0, 0.0, 2.0]]]}
+    ]
 
 
 def test_without_a_robot_there_is_no_record(tmp_path: Path) -> None:

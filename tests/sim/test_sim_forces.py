@@ -111,6 +111,13 @@ def test_what_is_held_weighs_at_the_wrist_and_slips_are_told_when_they_begin(nam
     assert -wrench[2] == pytest.approx(weight, rel=0.01)
     assert np.linalg.norm(wrench[:3]) == pytest.approx(weight, rel=0.05)
     assert sum(world.hand_contacts("hand").values()) / 2 == pytest.approx(squeeze, rel=0.01)
+    points = world.contact_points("hand")
+    thing = world.object_pose("thing").position
+    assert {other for _, other, _, _ in points} == {"thing"}
+    for link, force in world.hand_contacts("hand").items():
+        mine = [(np.array(at), np.array(push)) for name, _, at, push in points if name == link]
+        assert np.linalg.norm(sum(push for _, push in mine)) == pytest.approx(force)
+        assert all((thing - at) @ push > 0 for at, push in mine), "a link pushes what is held away from itself"
     world.slips("hand")
     for _ in range(24):
         run(world, 0.02)

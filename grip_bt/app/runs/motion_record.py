@@ -2,8 +2,9 @@
 
 It lies beside the journal, in `motion/RUN.jsonl`, one object a line: first `parts` (part -> its joints), then whatever
 has changed at the time `t` of the run's clock [s]: `q` (part -> positions [rad or m]), `way` (arm -> positions that it
-is to go through), `touch` (hand -> link -> contact force [N]), `scene` (all objects), `bodies` (new ones, see
-`Bodies`). It is no part of the journal: it is thinned out, and nothing is decided by it.
+is to go through; none when it is over), `plans` (arm -> the ways that are planned and not begun), `touch` (hand ->
+link -> contact force [N]), `press` (hand -> `ContactPoint`s), `scene` (all objects), `bodies` (new ones, see `Bodies`).
+It is no part of the journal: it is thinned out, and nothing is decided by it.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import hashlib
 import json
 import threading
 from base64 import b64encode
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Arm, Clock, Hand
 from grip_bt.base.values import JointState, Pose, Trajectory
+from grip_bt.base.values.joints import ContactPoint
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 
@@ -112,7 +114,7 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
         _thin_out(file.parent)
         with file.open("a", encoding="utf-8") as out:
             out.write(json.dumps({"parts": {name: part.state().names for name, part in parts.items()}}) + "\n")
-            told, bodies, ways, touched = dict[str, Any](), Bodies(), dict[str, Any](), dict[str, Any]()
+            told, bodies, ways, felt = dict[str, Any](), Bodies(), _Ways(), dict[str, Any]()
             scene: SceneSnapshot | None = None
             asked = -1.0
             while True:
@@ -122,12 +124,15 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
                 if moved := {name: p for name, p in now_at.items() if _changed(p, told.get(name))}:
                     told |= moved
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
-                for name, arm in resources.arms.items():
-                    if (way := getattr(arm, "follows", None)) is not None and way is not ways.get(name):
-                        ways[name], line["way"] = way, {**line.get("way", {}), name: _points(way, parts[name])}
-                touch = touched if stands else {name: _rounded_forces(hand) for name, hand in hands.items()}
-                if touch != touched:
-                    touched = line["touch"] = touch
+                line |= ways.new(resources.arms)
+                if not stands:
+                    touch = {
+                        hand: {link: round(f, 1) for link, f in it.contacts().items()} for hand, it in hands.items()
+                    }
+                    press = {hand: _pressing(hands[hand]) for hand, links in touch.items() if links}
+                    for key, news in {"touch": touch, "press": press}.items():
+                        if news != felt.get(key, {}):
+                            felt[key] = line[key] = news
                 now = resources.scene.snapshot() if resources.scene is not None else None
                 if isinstance(now, SceneSnapshot) and now is not scene:
                     scene, line["scene"] = now, {n: _object(item, bodies) for n, item in now.objects.items()}
@@ -141,8 +146,34 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
                 over.wait(PERIOD)
 
 
-def _rounded_forces(hand: Hand) -> dict[str, float]:
-    return {link: round(force, 1) for link, force in hand.contacts().items()}
+class _Ways:
+    """What arms follow and have planned, as far as it was told."""
+
+    def __init__(self) -> None:
+        self._ways, self._plans = dict[str, tuple[Any, bool]](), dict[str, tuple[Trajectory, ...]]()
+
+    def new(self, arms: Mapping[str, Arm]) -> dict[str, Any]:
+        """Return what has changed, as `way` and `plans` of a line."""
+        found: dict[str, dict[str, Any]] = {}
+        for name, arm in arms.items():
+            way, plans = getattr(arm, "follows", None), getattr(arm, "planned", ())
+            told, over = self._ways.get(name, (None, True))
+            if way is not None and way is not told:
+                self._ways[name] = way, False
+                found.setdefault("way", {})[name] = _points(way, arm)
+            elif not over and not getattr(arm, "moving", True):
+                self._ways[name] = way, True
+                found.setdefault("way", {})[name] = []
+            if plans is not self._plans.setdefault(name, ()):
+                self._plans[name] = plans
+                found.setdefault("plans", {})[name] = [_points(each, arm) for each in plans]
+        return found
+
+
+def _pressing(hand: Hand) -> list[list[Any]]:
+    points: Sequence[ContactPoint] = getattr(hand, "contact_points", tuple)()
+    found = [[link, other, np.round(at, 4).tolist(), np.round(force, 1).tolist()] for link, other, at, force in points]
+    return [each for each in found if any(each[3])]
 
 
 def _points(way: Trajectory, part: Arm | Hand) -> list[list[float]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -74,6 +74,22 @@ class Closing:
 
     goal: JointState
     reached: JointState
+
+
+class ContactPoint(NamedTuple):
+    """Where a link of a hand presses on something.
+
+    Attributes:
+        link: of the hand.
+        other: name of what it presses on.
+        position: in world [m].
+        force: on what it presses on, along the surface's normal, in world [N].
+    """
+
+    link: str
+    other: str
+    position: tuple[float, float, float]
+    force: tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -245,13 +245,19 @@ class SceneItem(Wire):
     fixed: bool
 
 
+Press = tuple[str, str, list[float], list[float]]
+"""A link, what it presses on, where in world [m], and the force on that [N]."""
+
+
 class MotionSample(Wire):
     """What has changed at one time."""
 
     t: float  # on the run's clock [s]
     q: dict[str, list[float]] = {}  # part -> positions of its joints [rad or m]
-    way: dict[str, list[list[float]]] = {}  # arm that begins a motion -> positions that it is to go through
+    way: dict[str, list[list[float]]] = {}  # arm -> positions that it begins to go through; none: it is over
+    plans: dict[str, list[list[list[float]]]] = {}  # arm -> all ways that are planned for it and not begun
     touch: dict[str, dict[str, float]] | None = None  # hand -> link -> contact force [N]
+    press: dict[str, list[Press]] | None = None  # hand -> where it presses
     scene: dict[str, SceneItem] | None = None  # all objects; None where none has changed
 
 

@@ -12,14 +12,41 @@ export interface Stand {
   readonly bodies: Readonly<Record<string, MeshView>>;
   /** The ways that were gone last, the newest one first. */
   readonly ways: readonly Way[];
+  /** What is planned and not begun, the next one first. */
+  readonly plans: readonly Way[];
   /** Link that touches something -> contact force [N]. */
   readonly touch: ReadonlyMap<string, number>;
+  readonly press: readonly Press[];
+  /** The largest force of all the record so far [N], at one point. */
+  readonly hardest: number;
+}
+
+/** Where a link presses on something. */
+export interface Press {
+  readonly link: string;
+  readonly other: string;
+  /** In the world [m]. */
+  readonly at: readonly number[];
+  /** On what is pressed [N]. */
+  readonly force: readonly number[];
 }
 
 /** Where an arm was to go: positions of its joints, one after the other. */
 export interface Way {
   readonly arm: string;
+  readonly over: boolean;
   readonly points: readonly ReadonlyMap<string, number>[];
+}
+
+/** How long the arrow of `newtonsOf` is [m], and the longest one is at most [m]. */
+export const REACH = 0.05;
+const LONGEST = 0.12;
+
+/** How many newtons an arrow of `REACH` stands for: 1, 2 or 5 of a power of ten, so that the hardest contact fits. */
+export function newtonsOf(hardest: number): number {
+  const least = Math.max(hardest, 0.1) * (REACH / LONGEST);
+  const power = 10 ** Math.floor(Math.log10(least));
+  return [1, 2, 5, 10].map((step) => step * power).find((newtons) => newtons >= least * (1 - 1e-9)) ?? 10 * power;
 }
 
 /** So many ways are remembered at a time: today's, and some that fade. */
@@ -30,7 +57,9 @@ interface Known {
   readonly q: Readonly<Record<string, readonly number[]>>;
   readonly scene: Readonly<Record<string, SceneItem>>;
   readonly ways: readonly Way[];
+  readonly plans: Readonly<Record<string, readonly Way[]>>;
   readonly touch: Readonly<Record<string, Readonly<Record<string, number>>>>;
+  readonly press: readonly Press[];
 }
 
 export class Motion {
@@ -39,6 +68,7 @@ export class Motion {
   private readonly bodies: Record<string, MeshView> = {};
   /** Where to go on reading. */
   next = 0;
+  private hardest = 0;
 
   get length(): number {
     return this.known.length;
@@ -50,11 +80,27 @@ export class Motion {
     Object.assign(this.bodies, piece.bodies);
     for (const sample of piece.samples) {
       const before = this.known.at(-1);
-      const begun = Object.entries(sample.way ?? {}).map(([arm, points]) => ({ arm, points: points.map((point) => new Map((this.parts[arm] ?? []).map((joint, at) => [joint, point[at] ?? 0]))) }));
-      const ways = begun.length > 0 ? [...begun, ...(before?.ways ?? [])].slice(0, WAYS) : (before?.ways ?? []);
-      this.known.push({ t: sample.t, q: { ...before?.q, ...sample.q }, scene: sample.scene ?? before?.scene ?? {}, ways, touch: sample.touch ?? before?.touch ?? {} });
+      const told = Object.entries(sample.way);
+      const begun = told.filter(([, points]) => points.length > 0).map(([arm, points]) => this.way(arm, points));
+      const gone = told.length === 0 ? (before?.ways ?? []) : (before?.ways ?? []).map((way) => (way.arm in sample.way && !way.over ? { ...way, over: true } : way));
+      const planned = Object.entries(sample.plans).map(([arm, plans]) => [arm, plans.map((points) => this.way(arm, points))]);
+      const press = sample.press && Object.values(sample.press).flatMap((points) => points.map(([link, other, at, force]) => ({ link, other, at, force })));
+      for (const { force } of press ?? []) this.hardest = Math.max(this.hardest, Math.hypot(...force));
+      this.known.push({
+        t: sample.t,
+        q: { ...before?.q, ...sample.q },
+        scene: sample.scene ?? before?.scene ?? {},
+        ways: begun.length > 0 ? [...begun, ...gone].slice(0, WAYS) : gone,
+        plans: planned.length > 0 ? { ...before?.plans, ...Object.fromEntries(planned) } : (before?.plans ?? {}),
+        touch: sample.touch ?? before?.touch ?? {},
+        press: press ?? before?.press ?? [],
+      });
     }
     this.next = piece.next;
+  }
+
+  private way(arm: string, points: readonly (readonly number[])[]): Way {
+    return { arm, over: false, points: points.map((point) => new Map((this.parts[arm] ?? []).map((joint, at) => [joint, point[at] ?? 0]))) };
   }
 
   /** What was true at a time: the last sample not after it, the first where there is none, null without any. */
@@ -71,7 +117,7 @@ export class Motion {
     const joints = new Map<string, number>();
     for (const [part, names] of Object.entries(this.parts)) names.forEach((name, at) => found.q[part]?.[at] !== undefined && joints.set(name, found.q[part]?.[at] as number));
     const touch = new Map(Object.values(found.touch).flatMap((links) => Object.entries(links)));
-    return { t: found.t, joints, scene: found.scene, bodies: this.bodies, ways: found.ways, touch };
+    return { t: found.t, joints, scene: found.scene, bodies: this.bodies, ways: found.ways, plans: Object.values(found.plans).flat(), touch, press: found.press, hardest: this.hardest };
   }
 }
 

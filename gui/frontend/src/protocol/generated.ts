@@ -373,7 +373,9 @@ export interface MotionSample {
   t: number;
   q: Record<string, number[]>;
   way: Record<string, number[][]>;
+  plans: Record<string, number[][][]>;
   touch: Record<string, Record<string, number>> | null;
+  press: Record<string, [string, string, number[], number[]][]> | null;
   scene: Record<string, SceneItem> | null;
 }
 

@@ -36,7 +36,7 @@ export default function RobotPreview({ view, moves = false }: PreviewProps): JSX
       setReady(null);
     };
   }, [view?.links]); // a position that is kept is no other shape
-  useEffect(() => space.current?.show({ t: 0, joints, scene: {}, bodies: {}, ways: [], touch: new Map() }, [], [], false), [view, joints]);
+  useEffect(() => space.current?.show({ t: 0, joints, scene: {}, bodies: {}, ways: [], plans: [], touch: new Map(), press: [], hardest: 0 }, [], [], false), [view, joints]);
   function onKeyDown(event: KeyboardEvent): void {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (turn) space.current?.turn(turn[0] ?? 0, turn[1] ?? 0);

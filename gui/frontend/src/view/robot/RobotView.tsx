@@ -3,7 +3,7 @@ import "./robot.css";
 
 import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef, useState } from "react";
 
-import type { Stand } from "../../model/timeline";
+import { newtonsOf, type Press, REACH, type Stand } from "../../model/timeline";
 import { seconds } from "../../model/words";
 import type { NamedPlace, SceneItem } from "../../protocol/generated";
 import { cloudOf, loadGeometry, type NamedCloud, placesOf, readMotion, setRobotOpen, useRobot } from "../../store/live";
@@ -92,6 +92,7 @@ export default function RobotView(): JSX.Element {
         {view !== null && !view.error && (
           <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${said}. Arrow keys turn it, plus and minus go nearer and away.`} onKeyDown={onKeyDown} />
         )}
+        {stand && <Legend stand={stand} />}
       </div>
       {stand && view && !view.error && <InWords stand={stand} places={places} clouds={found} drawn={clouds} grasps={grasps} />}
     </section>
@@ -121,10 +122,24 @@ function InWords({ stand, places, clouds, drawn, grasps }: Words): JSX.Element {
               grasp frame of {hand}: {numbers(at)} m
             </li>
           ))}
-          {stand.ways[0] && <li>{stand.ways[0].arm} follows a way of {stand.ways[0].points.length} points</li>}
-          {[...stand.touch].map(([link, force]) => (
+          {stand.ways[0] && (
+            <li>
+              {stand.ways[0].arm} {stand.ways[0].over ? "has gone" : "goes"} a way of {stand.ways[0].points.length} points
+            </li>
+          )}
+          {stand.plans.length > 0 && (
+            <li>
+              {stand.plans.length} {stand.plans.length === 1 ? "motion is" : "motions are"} planned and not begun
+            </li>
+          )}
+          {[...stand.touch].filter(([link]) => !stand.press.some((press) => press.link === link)).map(([link, force]) => (
             <li key={link}>
               {link} touches with {force.toFixed(1)} N
+            </li>
+          ))}
+          {together(stand.press).map(({ link, other, at, force }) => (
+            <li key={`${link}/${other}`}>
+              {link} presses on {other} with {Math.hypot(...force).toFixed(1)} N at {numbers(at)} m, towards {numbers(force.map((each) => each / Math.hypot(...force)))}
             </li>
           ))}
           {items.map(([name, item]) => (
@@ -147,6 +162,39 @@ function InWords({ stand, places, clouds, drawn, grasps }: Words): JSX.Element {
       </div>
     </details>
   );
+}
+
+/** What the lines and arrows that are drawn just now mean. */
+function Legend({ stand }: { stand: Stand }): JSX.Element | null {
+  const marks: [string, string][] = [
+    ...(stand.ways.some((way) => !way.over) ? [["way", "goes"] as [string, string]] : []),
+    ...(stand.plans.length > 0 ? [["plan", "planned"] as [string, string]] : []),
+    ...(stand.ways.some((way) => way.over) ? [["gone", "gone"] as [string, string]] : []),
+    ...(stand.press.length > 0 ? [["force", `${REACH * 100} cm = ${newtonsOf(stand.hardest)} N`] as [string, string]] : []),
+  ];
+  if (marks.length === 0) return null;
+  return (
+    <ul className="robot-legend" aria-label="Legend">
+      {marks.map(([kind, said]) => (
+        <li key={kind} className={`is-${kind}`}>
+          {said}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** Of a link and what it presses on one contact: all its force, and the middle of it. */
+function together(points: readonly Press[]): Press[] {
+  const found = new Map<string, Press[]>();
+  for (const point of points) found.set(`${point.link}/${point.other}`, [...(found.get(`${point.link}/${point.other}`) ?? []), point]);
+  return [...found.values()].map((all) => {
+    const weights = all.map(({ force }) => Math.hypot(...force));
+    const sum = weights.reduce((one, other) => one + other, 0) || 1;
+    const axes = [0, 1, 2];
+    const at = axes.map((axis) => all.reduce((total, point, number) => total + (point.at[axis] ?? 0) * ((weights[number] ?? 0) / sum), 0));
+    return { ...(all[0] as Press), at, force: axes.map((axis) => all.reduce((total, point) => total + (point.force[axis] ?? 0), 0)) };
+  });
 }
 
 const KINDS: Record<SceneItem["kind"], string> = { box: "box", cylinder: "cylinder", sphere: "sphere", mesh: "mesh within", cells: "cells of" };

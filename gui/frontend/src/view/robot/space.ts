@@ -1,11 +1,12 @@
 /** The drawing: camera, light, ground, the robot, the scene around it, and poses; drawn only when something has changed. */
-import { AmbientLight, AxesHelper, Box3, CanvasTexture, CatmullRomCurve3, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, MeshBasicMaterial, type MeshStandardMaterial, type Object3D, PerspectiveCamera, Points, Scene, Sphere, Sprite, SpriteMaterial, TubeGeometry, Vector3, WebGLRenderer } from "three";
+import { AmbientLight, AxesHelper, Box3, CanvasTexture, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, type Object3D, PerspectiveCamera, Points, Scene, Sphere, Sprite, SpriteMaterial, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import type { Stand, Way } from "../../model/timeline";
+import type { Stand } from "../../model/timeline";
 import type { GeometryView, NamedPlace } from "../../protocol/generated";
 import type { NamedCloud } from "../../store/live";
 import { makeCloud, makeItem, makeRobot, place, type Robot } from "./body";
+import { makeTraces } from "./traces";
 
 const STEP = Math.PI / 18;
 const AXES = 0.08;
@@ -50,6 +51,7 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
   const robot = makeRobot(view);
   const held = new Map(Object.entries(view.grasp).map(([hand, frame]) => [hand, graspFrame(robot, frame)]));
   const axes = [...robot.links.values()].map((link) => addAxes(link, AXES * 0.7));
+  const traces = makeTraces(canvas, view, robot, held);
   scene.add(new AmbientLight(0xffffff, 1.3), sun, ground, robot.root, things);
   robot.stand(new Map());
 
@@ -133,50 +135,15 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
   }
   let stood: ReadonlyMap<string, number> = new Map();
 
-  const traced = new WeakMap<Way, Vector3[]>();
-  /** The line that the hand goes along. */
-  function goes(way: Way, age: number, joints: ReadonlyMap<string, number>): Mesh | null {
-    const moved = new Set(way.points[0]?.keys());
-    // The hand of the arm that goes there: it hangs on the arm's last joint.
-    const hand = [...held].find(([name]) => moved.has(view.groups[view.grasp[name]?.group ?? ""]?.at(-1) ?? ""))?.[1];
-    const last = hand ?? robot.links.get(view.joints.findLast((joint) => moved.has(joint.name))?.child ?? "");
-    if (last === undefined || way.points.length < 2) return null;
-    const points = traced.get(way) ?? way.points.map((point) => {
-      robot.stand(new Map([...joints, ...point]));
-      robot.root.updateMatrixWorld(true);
-      return last.getWorldPosition(new Vector3());
-    });
-    traced.set(way, points);
-    if (points.every((point) => point.distanceTo(points[0] as Vector3) < 0.005)) return null;
-    const look = getComputedStyle(canvas);
-    const color = new Color(look.getPropertyValue(age === 0 ? "--way" : "--quiet").trim());
-    return new Mesh(new TubeGeometry(new CatmullRomCurve3(points), 96, age === 0 ? 0.006 : 0.003, 6), new MeshBasicMaterial({ color, transparent: true, opacity: 1 / (1 + 1.5 * age) }));
-  }
-
-  /** Links that press glow: the more, the harder. */
-  function glow(touch: ReadonlyMap<string, number>): void {
-    const hot = new Color(getComputedStyle(canvas).getPropertyValue("--failure").trim());
-    for (const [name, link] of robot.links) {
-      const share = Math.min(1, 0.35 + (touch.get(name) ?? 0) / 8);
-      for (const part of link.children) {
-        const material = part instanceof Mesh ? (part.material as MeshStandardMaterial) : null;
-        material?.emissive.copy(hot).multiplyScalar(touch.has(name) ? share : 0);
-      }
-    }
-  }
-
   function show(stand: Stand | null, places: readonly Spot[], clouds: readonly NamedCloud[], frames: boolean): void {
     stood = stand?.joints ?? new Map();
-    glow(stand?.touch ?? new Map());
     for (const each of axes) each.visible = frames;
     for (const group of [things, ...held.values()]) {
       free(group);
       group.clear();
     }
-    stand?.ways.forEach((way, age) => {
-      const line = goes(way, age, stood);
-      if (line) things.add(line);
-    });
+    if (stand) things.add(...traces.of(stand));
+    traces.glow(stand);
     robot.stand(stood);
     const look = getComputedStyle(canvas);
     for (const item of Object.values(stand?.scene ?? {})) {
