@@ -32,6 +32,12 @@ for (const colorScheme of ["light", "dark"]) {
       // At the end, then scrubbed to the beginning: joints, objects, what is held, and poses.
       await words.getByText("cup: cylinder (0.040, 0.120) m held by palm").waitFor();
       await near(grasp, last);
+      // What presses, and the way that was gone; scrubbed to before, it is planned.
+      const legend = page.getByRole("list", { name: "Legend" });
+      await words.getByText("hand_link_3.0_tip presses on cup with 5.0 N at (0.500, 0.100, 0.310) m, towards (0.000, 1.000, 0.000)").waitFor();
+      await words.getByText("right has gone a way of 2 points").waitFor();
+      await legend.getByText("5 cm = 2 N").waitFor();
+      await legend.getByText("gone").waitFor();
       await words.getByText("chosen before: (0.500, 0.100, 0.300) m in world").waitFor();
       await words.getByText("wedge: mesh within (0.200, 0.200, 0.300) m at (0.600, -0.400, 0.000) m").waitFor();
       await words.getByText("seen: cells of (0.030) m at (0.400, 0.400, 0.000) m").waitFor();
@@ -42,6 +48,13 @@ for (const colorScheme of ["light", "dark"]) {
       await words.getByText("cup: cylinder (0.040, 0.120) m at (0.500, 0.100, 0.060) m").waitFor();
       await near(grasp, first);
       await page.getByText("2 objects, 0 poses, in words").waitFor();
+      await legend.waitFor({ state: "detached" });
+      for (const seen of ["planned", "goes"]) {
+        await eventually(async () => {
+          await page.keyboard.press("ArrowRight");
+          return legend.getByText(seen).count();
+        }, 1);
+      }
 
       const picture = () => page.locator(".robot-canvas canvas").screenshot();
       const changes = async (work) => {

@@ -70,10 +70,15 @@ def recorded(folder: Path) -> tuple[str, list[list[float]]]:
             "q": {"palm": [0.0] * len(hand), "right": turns[0]},
             "scene": {"table": TABLE, "cup": {**CUP, "at": [0.5, 0.1, 0.06, 1, 0, 0, 0], "hand": ""}},
         },
+        {"t": BEGAN + 1.0, "plans": {"right": [turns]}},
         {"t": BEGAN + 2.0, "q": {"right": turns[1]}},
+        {"t": BEGAN + 2.05, "plans": {"right": []}, "way": {"right": turns}},
         {
             "t": BEGAN + 2.5,
             "scene": {"table": TABLE, "cup": {**CUP, "at": [0, 0, 0.05, 1, 0, 0, 0], "hand": "palm"}, **odd},
+            "way": {"right": []},
+            "touch": {"palm": {"hand_link_3.0_tip": 5.0}},
+            "press": {"palm": [["hand_link_3.0_tip", "cup", [0.5, 0.1, 0.3 + z], [0, 2.5, 0]] for z in (0.0, 0.02)]},
             "bodies": bodies.new(),
         },
     ]
@@ -119,7 +124,7 @@ def test_the_record_of_a_motion_is_read_piece_by_piece(project: Path) -> None:
     run, _ = recorded(project)
     journal = project / ".grip" / "runs.sqlite"
     piece = motion_of(journal, run, 0)
-    assert [sample.t for sample in piece.samples] == [BEGAN, BEGAN + 2.0, BEGAN + 2.5]
+    assert [sample.t for sample in piece.samples] == [BEGAN + t for t in (0.0, 1.0, 2.0, 2.05, 2.5)]
     with motion_file(journal, run).open("a") as record:
         record.write('{"t": 3.0, "q": {"right": [1')  # the writer is in the middle of a line
     assert motion_of(journal, run, piece.next).samples == []

@@ -17,6 +17,7 @@ const SIDES: readonly [Side, string][] = [
   ["front", "Front"],
   ["side", "Side"],
   ["above", "Above"],
+  ["hand", "Hand"],
 ];
 
 export default function RobotView(): JSX.Element {
@@ -67,7 +68,7 @@ export default function RobotView(): JSX.Element {
   return (
     <section className="robot-view" aria-label="Robot in 3D">
       <div className="edit-bar" role="toolbar" aria-label="Camera">
-        {SIDES.map(([side, label]) => (
+        {SIDES.filter(([side]) => side !== "hand" || grasps.size > 0).map(([side, label]) => (
           <button key={side} onClick={() => space.current?.from(side)}>
             {label}
           </button>
@@ -207,7 +208,7 @@ function numbers(values: readonly number[]): string {
 function useStand(): Stand | null {
   const run = useRun((s) => s.record?.id);
   const live = useRun((s) => !s.complete);
-  const following = useRun((s) => s.cursor === null && !s.complete);
+  const following = useRun((s) => s.cursor === null);
   const t = useRun((s) => s.moment.t);
   const origin = useRun((s) => s.history.start);
   const version = useRobot((s) => s.version);

@@ -20,7 +20,7 @@ export interface Spot extends NamedPlace {
   readonly over?: boolean;
 }
 
-export type Side = "front" | "side" | "above";
+export type Side = "front" | "side" | "above" | "hand";
 
 export interface Space {
   show(stand: Stand | null, places: readonly Spot[], clouds: readonly NamedCloud[], frames: boolean): void;
@@ -96,10 +96,13 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
   }
 
   function from(side: Side): void {
-    const where: Record<Side, [number, number, number]> = { front: [1.5, -0.95, 0.95], side: [0.35, -1.7, 0.6], above: [0.36, -0.01, 2.1] };
+    const where: Record<Side, [number, number, number]> = { front: [1.15, -0.95, 0.65], side: [0, -1.7, 0.3], above: [0.01, -0.01, 1.8], hand: [0.45, -0.35, 0.2] };
+    const hand = side === "hand" ? [...held.values()][0] : undefined;
     aim = () => from(side);
     controls.target.set(0.35, 0, 0.3);
-    camera.position.set(...where[side]).sub(controls.target).multiplyScalar(narrow()).add(controls.target);
+    scene.updateMatrixWorld(true);
+    hand?.getWorldPosition(controls.target);
+    camera.position.set(...where[side]).multiplyScalar(narrow()).add(controls.target);
     controls.update();
     draw();
   }
