@@ -85,12 +85,7 @@ class World:
         self._links = {link.name: link for link in self.robot.links}
         check_names(spec, self._links)
         hands = self.robot.description.hands.items()
-<<<<<<< HEAD
         self._fingers = {hand: {self._links[name] for name in names if name in self._links} for hand, names in hands}
-=======
-        self._fingers = {hand: {link for link in self.robot.links if link.name in names} for hand, names in hands}
-        self._links = frozenset(self.robot.links)
->>>>>>> e9ac18c3 (page: planned motions as dots, contacts as points with forces in 3D, live and replayed; what is over fades)
         self._liquids = Liquids(self._underside, self._uprightness)
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self.articulated = {
@@ -212,19 +207,11 @@ class World:
 
     def hand_contacts(self, hand: str) -> Mapping[str, float]:
         """Return the contact force [N] of each link of a hand that touches something that isn't the robot."""
-<<<<<<< HEAD
-        fingers, forces = {link.name for link in self._fingers.get(hand, ())}, dict[str, float]()
-        for contact in self.contacts():
-            for link, other in ((contact.first, contact.second), (contact.second, contact.first)):
-                if link in fingers and other not in self._links:
-                    forces[link] = forces.get(link, 0.0) + contact.force
-=======
         forces: dict[str, float] = {}
         for link, _, contact in self._touching(hand):
             force = float(np.linalg.norm(np.sum([point.impulse for point in contact.points], axis=0) / self.spec.dt))
             if force > TOUCH:
                 forces[link.entity.name] = forces.get(link.entity.name, 0.0) + force
->>>>>>> e9ac18c3 (page: planned motions as dots, contacts as points with forces in 3D, live and replayed; what is over fades)
         return forces
 
     def contact_points(self, hand: str) -> list[tuple[str, str, list[float], list[float]]]:
@@ -270,7 +257,7 @@ class World:
             if (one in fingers) == (two in fingers):
                 continue  # names take their time, and most contacts are of others
             link, body = (one, two) if one in fingers else (two, one)
-            if body not in self._links and body.entity.name not in self._moved:
+            if body.entity.name not in self._links and body.entity.name not in self._moved:
                 yield link, body, contact
 
     def measures(self) -> dict[str, float]:
