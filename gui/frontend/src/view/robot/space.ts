@@ -145,7 +145,7 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
       free(group);
       group.clear();
     }
-    if (stand) things.add(...traces.of(stand));
+    for (const trace of stand ? traces.of(stand) : []) things.add(trace);
     traces.glow(stand);
     robot.stand(stood);
     const look = getComputedStyle(canvas);
