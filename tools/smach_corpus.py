@@ -1,18 +1,21 @@
 """Imports all SMACH files of folders, one workspace each, and prints how many of their containers come in how well.
 
-    python tools/smach_corpus.py [--preview] [--causes] FOLDER...
+    python tools/smach_corpus.py [--preview] [--causes] [--arguments FILE] FOLDER...
 
-The files' construction is run; only for code that is trusted. `--causes` lists why containers aren't exact.
+The files' construction is run; only for code that is trusted. `--causes` lists why containers aren't exact; a file of
+arguments has those of each folder under its name: `tue: {$ROBOT_REAL: "true"}`. The last column is time of processors.
 """
 
 from __future__ import annotations
 
 import argparse
 import re
+import resource
 import sys
-import time
 from collections import Counter
 from pathlib import Path
+
+import yaml
 
 from grip_bt.formats.smach import ImportedFile, import_files
 
@@ -27,15 +30,18 @@ def main() -> None:
     parser.add_argument("folders", type=Path, nargs="+")
     parser.add_argument("--preview", action="store_true", help="run nothing")
     parser.add_argument("--causes", action="store_true", help="list why containers aren't exact")
+    parser.add_argument("--arguments", type=Path, help="YAML: folder -> arguments")
     parser.add_argument("--each", action="store_true", help="list the containers that aren't exact")
     args = parser.parse_args()
-    print(_WIDTHS.format("folder", "files", "built", "all exact", "exact", "partial", "failed", "s"))
+    print(_WIDTHS.format("folder", "files", "built", "all exact", "exact", "partial", "failed", "cpu s"))
+    everything = yaml.safe_load(args.arguments.read_text()) if args.arguments is not None else {}
     causes: Counter[str] = Counter()
     places: dict[str, str] = {}
     for folder in args.folders:
-        begun = time.monotonic()
-        read = list(import_files(sorted(folder.rglob("*.py")), folder, not args.preview))
-        _row(folder.name, [each for each in read if each.containers], time.monotonic() - begun)
+        begun, given = _computed(), everything.get(folder.name, {})
+        arguments = {"": given, **{name: each for name, each in given.items() if isinstance(each, dict)}}
+        read = list(import_files(sorted(folder.rglob("*.py")), folder, not args.preview, arguments))
+        _row(folder.name, [each for each in read if each.containers], _computed() - begun)
         for each in read:
             for container in each.containers:
                 for issue in container.issues if container.verdict != "exact" else ():
@@ -47,6 +53,11 @@ def main() -> None:
                             print("   ", each.file.name, container.title, container.span.line, issue.message[:230])
     for cause, count in causes.most_common() if args.causes else ():
         print(f"{count:>6} × {cause} ({places[cause]})")
+
+
+def _computed() -> float:
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(each.ru_utime + each.ru_stime for each in used)
 
 
 def _row(name: str, files: list[ImportedFile], seconds: float) -> None:

@@ -11,6 +11,7 @@ import re
 import shutil
 import sys
 import threading
+import time
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -18,6 +19,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from importlib import import_module
 from importlib.machinery import ModuleSpec
+from itertools import chain
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -33,6 +35,7 @@ from grip_bt import smach_compat
 from grip_bt.smach_compat import Container, State, smach_ros
 from grip_bt.smach_compat.smach_ros._port import Ros
 
+from . import stand_ins
 from .smach_source import workspace_of
 from .stand_ins import (
     StandIn,
@@ -97,8 +100,10 @@ def _well(state: State) -> str:
 MOST_WAITS, LATER_WAITS, LONGEST_WAIT = 2000, 100, 3.0
 """How often a state may wait, or look whether it should go on, in its first execution and in later ones; and how long
 for an Event in the first [s]."""
-MOST_ALIKE = 100
-"""How often a state ends with the same outcome, before it takes one that it hasn't ended with."""
+MOST_ALIKE, LATER_ALIKE = 100, 3
+"""How often a state ends with the same outcome, before it takes the one that it has ended with least: in time every way
+is taken, and so one that ends. Later is after ten times as many ends of any state."""
+_OF_ROS_1 = (f"{smach_compat.__name__}.ros1", f"{smach_compat.__name__}.smach_ros")
 _IN_VAIN = "it waits for something that doesn't happen here"
 _waits = threading.local()
 
@@ -133,6 +138,17 @@ def _waiting(wait: Callable[..., bool]) -> Callable[..., bool]:
     return waiting
 
 
+def _sleeping(sleep: Callable[[float], None]) -> Callable[[float], None]:
+    """Return `time.sleep`, which takes a state no time."""
+
+    def sleeping(seconds: float) -> None:
+        inside = getattr(_waits, "left", None) is not None
+        _look()
+        sleep(0 if inside else seconds)
+
+    return sleeping
+
+
 class _ImpatientRos(Ros):
     """What a dry run has for ROS."""
 
@@ -145,16 +161,40 @@ class _ImpatientRos(Ros):
         return super().is_shutdown()
 
 
-def _going_on(state: Any, execute: Callable[..., Any], told: list[str], tell: Callable[[str], object]) -> Any:
+def _is_own(error: Exception) -> bool:
+    """Tell whether an error is the code's own: of a kind that no stand-in makes, or before anything went by one.
+
+    Then a stand-in that has caused it is still one: in what a frame holds or names, or in an object there.
+    """
+    if isinstance(error, (NameError, ImportError)) or stand_ins.judge.asked_once:
+        return isinstance(error, (NameError, ImportError))
+    near = list[object]()
+    for frame, _ in traceback.walk_tb(error.__traceback__):
+        near += [*frame.f_locals.values(), *(frame.f_globals.get(name) for name in frame.f_code.co_names)]
+    parts = (each.__dict__.values() for each in near if hasattr(each, "__dict__") and not isinstance(each, ModuleType))
+    return not any(map(_may_stand_in, (*near, *chain.from_iterable(parts))))
+
+
+def _may_stand_in(value: object) -> bool:
+    kind = value if isinstance(value, type) else type(value)
+    return issubclass(kind, (StandIn, StandInModule)) or kind.__module__.startswith(_OF_ROS_1)
+
+
+def _going_on(
+    state: Any, execute: Callable[..., Any], told: list[str], every: Counter[str], tell: Callable[[str], object]
+) -> Any:
     """Return a state's `execute`, which ends well where a stand-in keeps it from going on."""
     ends = Counter[str]()
 
     def ended(outcome: Any, why: str = "") -> Any:
-        ends[str(outcome)] += 1
-        if told and ends[str(outcome)] > MOST_ALIKE:
+        most = MOST_ALIKE if every.total() < 10 * MOST_ALIKE else LATER_ALIKE
+        if told and ends[str(outcome)] >= most:
             outcomes = state.get_registered_outcomes()
-            unused = (each for each in (*good_outcomes(outcomes), *outcomes) if not ends[each])
-            why, outcome = f"it has ended {MOST_ALIKE} times with {outcome}", next(unused, outcome)
+            rarest = min((*good_outcomes(outcomes), *outcomes), key=ends.__getitem__)
+            if rarest != outcome:
+                why, outcome = f"it has ended {most} times with {outcome}", rarest
+        ends[str(outcome)] += 1
+        every["ended"] += 1
         if why:
             tell(f"outcome {outcome} of {type(state).__name__}: {why}")
         return outcome
@@ -168,8 +208,8 @@ def _going_on(state: Any, execute: Callable[..., Any], told: list[str], tell: Ca
                 return ended(unwrapped(outcome))
             why = f"it returned {name_of(outcome)}"
         except Exception as error:
-            if isinstance(error, NameError) or not told:
-                raise  # a mistake of its own
+            if not told or _is_own(error):
+                raise
             place = traceback.extract_tb(error.__traceback__)[-1]
             why = f"{type(error).__name__}: {error} ({place.filename.rpartition('/')[2]}:{place.lineno})"
         finally:
@@ -224,12 +264,12 @@ def dry_run(tell: Callable[[str], object], made: Made | None = None) -> Iterator
     def begun(state: Any, *arguments: Any, **named_ones: Any) -> None:
         begin(state, *map(unwrapped, arguments), **{key: unwrapped(value) for key, value in named_ones.items()})
         if not isinstance(state, Container):
-            state.execute = _going_on(state, state.execute, told, named)
+            state.execute = _going_on(state, state.execute, told, every, named)
 
     def decorated(decorator: Decorator, name: str, child: Any) -> None:
         decorate(decorator, name, _behaviour(child))
 
-    add_child, begin, told = Composite.add_child, State.__init__, list[str]()
+    add_child, begin, told, every = Composite.add_child, State.__init__, list[str](), Counter[str]()
     decorate = Decorator.__init__
     smach_compat.install(rospy=True)
     smach_ros.use(_ImpatientRos(stand_in, named))
@@ -241,6 +281,8 @@ def dry_run(tell: Callable[[str], object], made: Made | None = None) -> Iterator
             mock.patch.object(Decorator, "__init__", decorated),
             mock.patch.object(State, "__init__", begun),
             mock.patch.object(threading.Event, "wait", _waiting(threading.Event.wait)),
+            mock.patch.object(time, "sleep", _sleeping(time.sleep)),
+            mock.patch.object(stand_ins, "judge", stand_ins.Judge()),
         ):
             yield
     finally:

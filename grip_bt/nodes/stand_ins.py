@@ -32,20 +32,27 @@ class Judge:
 
     Attributes:
         elsewhere: whether it gave an answer that isn't true of what stand-ins hold.
+        asked_once: whether anything has gone by a stand-in.
         turned: two things in a set -> whether the second comes first.
     """
 
-    elsewhere = False
+    elsewhere = asked_once = False
 
     def __init__(self) -> None:
         self.turned: dict[frozenset[Any], bool] = {}
 
     def decide(self, what: str, wanted: bool) -> bool:
         """Return the answer to a question with two answers; `wanted` is the one that leads on, most often."""
+        self.asked_once = True
         return wanted
+
+    def supplied(self, what: str) -> Any:
+        """Return what was supplied in the place of something that isn't here, or UNKNOWN."""
+        return UNKNOWN
 
     def note(self, what: str, value: object = UNKNOWN) -> None:
         """Take note that code goes by what stands in: by a value that it holds, or by one that nobody knows."""
+        self.asked_once = True
 
 
 judge = Judge()
@@ -112,7 +119,7 @@ class StandIn(metaclass=_Kind):
             return lifted(held_by(self), name_of(self), *arguments, **named)
         if len(arguments) == 1 and not named and isinstance(arguments[0], (FunctionType, type)):
             return arguments[0]
-        return stand_in(f"{name_of(self)}()")
+        return known(f"{name_of(self)}()")
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
@@ -120,7 +127,7 @@ class StandIn(metaclass=_Kind):
         held = held_by(self)
         if held is not UNKNOWN:
             return stand_in(name_of(self), getattr(held, name))
-        made = stand_in(f"{name_of(self)}.{name}")
+        made = known(f"{name_of(self)}.{name}")
         vars(self)[name] = made
         return made
 
@@ -129,7 +136,7 @@ class StandIn(metaclass=_Kind):
 
     def __getitem__(self, key: object) -> Any:
         held = held_by(self)
-        return self._made(operator.getitem, key) if held is not UNKNOWN else stand_in(f"{name_of(self)}[{key!r}]")
+        return self._made(operator.getitem, key) if held is not UNKNOWN else known(f"{name_of(self)}[{key!r}]")
 
     def __setitem__(self, key: object, value: object) -> None:
         if held_by(self) is not UNKNOWN:
@@ -239,6 +246,12 @@ def stand_in(name: str, held: Any = UNKNOWN, wanted: bool = True) -> StandIn:
     made = StandIn()
     vars(made).update(_stand_in_name=name[:_LONGEST], _stand_in_held=held, _stand_in_wanted=wanted)
     return made
+
+
+def known(name: str, held: Any = UNKNOWN) -> Any:
+    """Return what was supplied for something of this name, or a stand-in."""
+    supplied = judge.supplied(name[:_LONGEST])
+    return stand_in(name, held) if supplied is UNKNOWN else supplied
 
 
 def stands_in(value: object) -> bool:

@@ -1,10 +1,12 @@
 """`grip run --stand-ins`: a legacy task runs where its packages, servers and parameters are missing, and names them."""
 
 import importlib
+import itertools
 import re
 import subprocess
 import sys
 import threading
+import time
 
 import pytest
 
@@ -13,7 +15,7 @@ from grip_bt.nodes import dry_run as dry_run_module
 from grip_bt.nodes.dry_run import dry_run
 from grip_bt.nodes.smach_source import LegacyFinder, LegacySubmodules
 from grip_bt.nodes.stand_ins import StandInFinder
-from grip_bt.smach_compat import State
+from grip_bt.smach_compat import State, StateMachine
 
 LEGACY = """
 import numpy
@@ -199,8 +201,17 @@ def test_a_mistake_of_a_states_own_stays_one_where_nothing_is_stood_in_for(capsy
         state = Mistaken(outcomes=["done"])
         with pytest.raises(ZeroDivisionError):
             state.execute(None)
-        importlib.import_module("package_of_nobody")
+        module = importlib.import_module("package_of_nobody")
+        with pytest.raises(ZeroDivisionError):  # nothing of the package is near
+            state.execute(None)
+        state.arm = module.arm
         assert state.execute(None) == "done"
+        del state.arm
+        assert bool(module.arm)  # from now on, any value may come from it
+        assert state.execute(None) == "done"
+        state.bottles = None
+        with pytest.raises(ImportError):
+            state.execute(None)
     assert told[0] == "package package_of_nobody"
     assert told[1].startswith("outcome done of Mistaken: ZeroDivisionError")
     assert type(state).execute is Mistaken.execute
@@ -228,6 +239,28 @@ def test_a_state_that_ends_alike_without_end_takes_another_outcome():
     assert told[1] == "outcome opened of Closed: it has ended 100 times with closed"
 
 
+def test_states_that_go_round_take_every_way_in_time_and_sleep_without_taking_any():
+    told, machine = [], StateMachine(outcomes=["finished"])
+    with dry_run(told.append), machine:
+        importlib.import_module("package_of_nobody")
+        StateMachine.add("LOOK", Turning(["seen", "nothing", "left"]), {"seen": "GO", "nothing": "LOOK", "left": "GO"})
+        StateMachine.add(
+            "GO", Turning(["there", "back", "over"]), {"there": "LOOK", "back": "LOOK", "over": "finished"}
+        )
+        assert machine.execute() == "finished"
+    assert any("times with" in each for each in told)
+
+
+class Turning(State):
+    def __init__(self, outcomes):
+        super().__init__(outcomes=outcomes)
+        self.turns = itertools.cycle(outcomes[:2])
+
+    def execute(self, userdata):
+        time.sleep(1000.0)
+        return next(self.turns)
+
+
 class Closed(State):
     def execute(self, userdata):
         return "closed"
@@ -241,8 +274,12 @@ class Waiting(State):
 
 
 class Mistaken(State):
+    bottles = 0
+
     def execute(self, userdata):
-        return "done" if 1 / 0 else "done"
+        if self.bottles is None:
+            from grip_bt import bottles_of_nobody  # noqa: F401
+        return "done" if 1 / self.bottles else "done"
 
 
 def test_what_an_installed_library_can_do_without_stays_missing(tmp_path, monkeypatch):

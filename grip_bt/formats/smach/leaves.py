@@ -115,12 +115,12 @@ class Leaves:
 
     def source(self, found: StateInfo) -> str:
         """Return the source that takes an object from the machine that its file builds; empty where nothing does."""
-        labels: list[str] = []
+        labels: list[str | None] = []
         inner: StateInfo = found
         while inner.parent is not None:
-            labels.append(next((name for name, added in inner.parent.added.items() if added.state is inner), ""))
+            labels.append(next((name for name, added in inner.parent.added.items() if added.state is inner), None))
             inner = inner.parent
-        if not isinstance(inner, ContainerInfo) or inner.way is None or "" in labels:
+        if not isinstance(inner, ContainerInfo) or inner.way is None or None in labels:
             return ""
         return self._machine(inner.way) + "".join(f"[{label!r}]" for label in reversed(labels))
 

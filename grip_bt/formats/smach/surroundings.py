@@ -26,10 +26,11 @@ from xml.etree import ElementTree
 
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_source import Workspace
-from grip_bt.nodes.stand_ins import StandIn, StandInFinder, lifted, name_of, stand_in, stand_in_class, stands_in
+from grip_bt.nodes.stand_ins import StandInFinder, known, lifted, name_of, stand_in, stand_in_class, stands_in
 from grip_bt.smach_compat import smach_ros as real
 from grip_bt.smach_compat.smach_ros._port import Ros
 
+from . import compiled
 from .found import FIXED_OUTCOMES
 from .tracked_code import SPECIAL, caller, is_tracked
 
@@ -50,6 +51,8 @@ def guard(workspace: Workspace, read: set[str]) -> None:
     own, python = str(workspace.root) + os.sep, (sys.prefix, sys.base_prefix, "/proc/", "/dev/", "/usr/lib", "/etc/ssl")
 
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
+        if compiled.is_keeping:
+            return
         if event.startswith(_REFUSED) and caller() is not None:
             raise PermissionError(f"{event} isn't allowed while machines are recorded")
         if event not in ("open", "os.listdir", "os.scandir") or caller() is None:
@@ -85,7 +88,7 @@ def surround(workspace: Workspace) -> None:
     for module, names in _SEEN.items():
         for name in names:
             if (there := getattr(module, name, None)) is not None:
-                SPECIAL[there] = partial(lifted, there, f"{getattr(module, '__name__', '')}.{name}()")
+                SPECIAL[there] = partial(_seen, there, f"{getattr(module, '__name__', '')}.{name}()")
     for name in ("shuffle", "choice", "sample", "choices"):
         SPECIAL[getattr(random, name)] = partial(_by_chance, getattr(random, name), f"random.{name}()")
     for name in ("exists", "isfile", "isdir"):
@@ -94,8 +97,8 @@ def surround(workspace: Workspace) -> None:
     for function in _CHANGING:
         SPECIAL[function] = _change
     SPECIAL[open] = _opened
-    SPECIAL[os.getenv] = lambda key, default=None: stand_in(f"${key}", os.getenv(key, default))
-    SPECIAL[input] = lambda *given: stand_in("input()")
+    SPECIAL[os.getenv] = lambda key, default=None: known(f"${key}", os.getenv(key, default))
+    SPECIAL[input] = lambda *given: known("input()")
     SPECIAL[time.sleep] = lambda seconds: None
     setattr(os, "environ", _Environment(os.environ))  # noqa: B010 - the process is ours
     sys.argv = stand_in("sys.argv", [""])  # type: ignore[assignment]
@@ -115,6 +118,11 @@ _SEEN: dict[Any, tuple[str, ...]] = {
     getpass: ("getuser",),
     os: ("getpid", "getcwd", "getlogin", "cpu_count"),
 }
+
+
+def _seen(function: Callable[..., Any], name: str, *arguments: Any, **named: Any) -> Any:
+    supplied = stand_ins.judge.supplied(name)
+    return lifted(function, name, *arguments, **named) if supplied is stand_ins.UNKNOWN else supplied
 
 
 def _change(*paths: Any, **named: Any) -> None:
@@ -161,15 +169,14 @@ class _Environment(dict[str, str]):
     def __getitem__(self, key: str) -> Any:
         if not _is_legacy_caller():
             return super().__getitem__(key)
-        if key in dict.keys(self):
-            return stand_in(f"${key}", super().__getitem__(key))
-        if stand_ins.judge.decide(f"${key} is set", True):
-            return stand_in(f"${key}")
+        there = key in dict.keys(self) or stand_ins.judge.supplied(f"${key}") is not stand_ins.UNKNOWN
+        if there or stand_ins.judge.decide(f"${key} is set", True):
+            return known(f"${key}", super().get(key, stand_ins.UNKNOWN))
         raise KeyError(key)
 
     def get(self, key: str, default: Any = None) -> Any:
         value = super().get(key, default)
-        return stand_in(f"${key}", value) if _is_legacy_caller() else value
+        return known(f"${key}", value) if _is_legacy_caller() else value
 
     def __contains__(self, key: object) -> bool:
         if _is_legacy_caller():
@@ -189,7 +196,7 @@ def _parsed(parser: argparse.ArgumentParser, *given: Any) -> argparse.Namespace:
         if action.dest != "help":
             name = f"the argument {action.dest}"
             needed = action.required or not action.option_strings
-            setattr(found, action.dest, stand_in(name) if needed else stand_in(name, action.default))
+            setattr(found, action.dest, known(name) if needed else known(name, action.default))
     return found
 
 
@@ -218,12 +225,15 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
     """Give packages of ROS that aren't here what construction needs of them."""
 
     def rospy(module: ModuleType) -> None:
-        def parameter(name: Any, default: Any = stand_ins.UNKNOWN) -> StandIn:
-            return stand_in(f"ROS parameter {name}", default)
+        def parameter(name: Any, default: Any = stand_ins.UNKNOWN) -> Any:
+            return known(f"ROS parameter {name}", default)
+
+        def supplied(name: Any) -> bool:
+            return stand_ins.judge.supplied(f"ROS parameter {name}") is not stand_ins.UNKNOWN
 
         given: dict[str, Any] = {
             "get_param": parameter,
-            "has_param": lambda name: stand_in(f"ROS parameter {name}", wanted=False),
+            "has_param": lambda name: supplied(name) or stand_in(f"ROS parameter {name}", wanted=False),
             "is_shutdown": lambda: stand_in("rospy.is_shutdown()"),
             "myargv": lambda *given, **named: sys.argv,
         }

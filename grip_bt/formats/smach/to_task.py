@@ -49,12 +49,15 @@ class TaskMaker:
     def make(self) -> Task | None:
         """Return the task; None when the container can't be imported, with the reason among its issues."""
         specs = dict(self.leaves.specs)
-        for method in self.root.settings.get("overridden", ()):
+        one_leaf = self.may_be_one_leaf and self.root.outcomes and self.leaves.source(self.root)
+        own = self.root.settings.get("overridden", ())
+        for method in () if one_leaf else own:
             self.root.problem("partial", f"its class has a `{method}` of its own, which the task doesn't call")
         try:
+            if own and one_leaf:
+                raise RefusedError(f"its class has a `{own[0]}` of its own")
             node, ends = self._root()
         except RefusedError as error:
-            one_leaf = self.may_be_one_leaf and self.root.outcomes and self.leaves.source(self.root)
             if self.root.verdict == "failed" or not one_leaf:
                 if self.root.verdict != "failed":
                     self.root.problem("failed", str(error))

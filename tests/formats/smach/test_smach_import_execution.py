@@ -165,6 +165,73 @@ def build():
     assert verdicts(alike) == ["exact"]
 
 
+SURROUNDINGS = """
+import os
+import rospy
+from arm_of_nobody import arm
+
+FIRST = 'A' if rospy.get_param('~early', True) else 'B'
+
+def build():
+    sm = smach.StateMachine(['done', 'lost'])
+    with sm:
+        smach.StateMachine.add(FIRST, Go(), {'there': 'done'})
+        for room in rospy.get_param('~rooms') if rospy.has_param('~rooms') else []:
+            smach.StateMachine.add(room + os.environ['ARM_SIDE'], Go(), {'there': 'done'})
+        if arm.ready():
+            rospy.loginfo('it is ready')
+        if arm.grip() is None:
+            smach.StateMachine.add('NONE', Go(), {'there': 'done'})
+    return sm
+"""
+
+
+def test_what_only_a_run_knows_is_told_by_name_and_can_be_given_under_it(tmp_path):
+    early, rooms, none = "ROS parameter ~early", "ROS parameter ~rooms", "arm_of_nobody.arm.grip() is None"
+    known = {early: False, rooms: ["HALL", "YARD"], "$ARM_SIDE": "_left"}
+    decides = "is another machine by the answer to `"
+    for given, words in [({}, early), (known, none)]:
+        found = recorded(tmp_path, SURROUNDINGS, given={"": given})
+        assert verdicts(found) == ["partial"]
+        assert f"{decides}{words}`" in texts(found)
+        assert "ready" not in texts(found)
+    (found,) = recorded(tmp_path, SURROUNDINGS, given={"": {**known, none: False}}).containers
+    assert (list(found.added), found.verdict) == (["B", "HALL_left", "YARD_left"], "exact")
+
+
+WRAPPED = """
+class Mission(smach.StateMachine):
+    def __init__(self):
+        smach.StateMachine.__init__(self, outcomes=['done', 'lost'])
+        both = smach.Concurrence(outcomes=['done'], default_outcome='done', outcome_cb=lambda ends: 'done')
+        with both:
+            smach.Concurrence.add('LEFT', Go())
+        once = smach.Iterator(outcomes=['done', 'lost'], it=[1], it_label='n', input_keys=[], output_keys=[],
+                              exhausted_outcome='done')
+        with once:
+            smach.Iterator.set_contained_state('', both, loop_outcomes=['done'])
+        with self:
+            smach.StateMachine.add('ONCE', once)
+EXECUTE
+def build():
+    return Mission()
+"""
+EXECUTE = """
+    def execute(self, *given):
+        return 'lost' if super().execute(*given) == 'done' else 'done'
+"""
+
+
+@pytest.mark.parametrize(("execute", "outcome"), [("", "done"), (EXECUTE, "lost")])
+@pytest.mark.parametrize("target", ["bt", "sm"])
+def test_what_a_task_has_no_kind_for_is_one_leaf_that_does_the_same(execute, outcome, target, tmp_path):
+    file = tmp_path / "legacy_wrapped.py"
+    file.write_text(HEAD + WRAPPED.replace("EXECUTE", execute))
+    imported, paths = write_recorded(file, tmp_path)
+    assert set(verdicts(imported)) == {"exact"}
+    assert run_task(next(iter(paths.values())), target)[0] == outcome
+
+
 def test_packages_are_found_by_their_package_files(tmp_path):
     for package, folder in (("app", "app/scripts"), ("lib", "lib/src/lib")):
         (tmp_path / folder).mkdir(parents=True)
