@@ -112,11 +112,14 @@ class WaitingError(Exception):
     """A state waits without end."""
 
 
-def _look() -> None:
-    if getattr(_waits, "left", None) is not None:
-        _waits.left -= 1
-        if _waits.left < 0:
-            raise WaitingError(_IN_VAIN)
+def _look() -> bool:
+    """Count that a state waits, or looks whether it should; tell whether one does here."""
+    if getattr(_waits, "left", None) is None:
+        return False
+    _waits.left -= 1
+    if _waits.left < 0:
+        raise WaitingError(_IN_VAIN)
+    return True
 
 
 def _waiting(wait: Callable[..., bool]) -> Callable[..., bool]:
@@ -138,17 +141,6 @@ def _waiting(wait: Callable[..., bool]) -> Callable[..., bool]:
     return waiting
 
 
-def _sleeping(sleep: Callable[[float], None]) -> Callable[[float], None]:
-    """Return `time.sleep`, which takes a state no time."""
-
-    def sleeping(seconds: float) -> None:
-        inside = getattr(_waits, "left", None) is not None
-        _look()
-        sleep(0 if inside else seconds)
-
-    return sleeping
-
-
 class _ImpatientRos(Ros):
     """What a dry run has for ROS."""
 
@@ -166,8 +158,12 @@ def _is_own(error: Exception) -> bool:
 
     Then a stand-in that has caused it is still one: in what a frame holds or names, or in an object there.
     """
-    if isinstance(error, (NameError, ImportError)) or stand_ins.judge.asked_once:
-        return isinstance(error, (NameError, ImportError))
+    if (
+        (sure := isinstance(error, (NameError, ImportError)))
+        or isinstance(error, WaitingError)
+        or stand_ins.judge.asked
+    ):
+        return sure
     near = list[object]()
     for frame, _ in traceback.walk_tb(error.__traceback__):
         near += [*frame.f_locals.values(), *(frame.f_globals.get(name) for name in frame.f_code.co_names)]
@@ -281,7 +277,7 @@ def dry_run(tell: Callable[[str], object], made: Made | None = None) -> Iterator
             mock.patch.object(Decorator, "__init__", decorated),
             mock.patch.object(State, "__init__", begun),
             mock.patch.object(threading.Event, "wait", _waiting(threading.Event.wait)),
-            mock.patch.object(time, "sleep", _sleeping(time.sleep)),
+            mock.patch.object(time, "sleep", lambda seconds, sleep=time.sleep: sleep(0 if _look() else seconds)),
             mock.patch.object(stand_ins, "judge", stand_ins.Judge()),
         ):
             yield

@@ -32,18 +32,18 @@ class Judge:
 
     Attributes:
         elsewhere: whether it gave an answer that isn't true of what stand-ins hold.
-        asked_once: whether anything has gone by a stand-in.
+        asked: whether anything has gone by a stand-in.
         turned: two things in a set -> whether the second comes first.
     """
 
-    elsewhere = asked_once = False
+    elsewhere = asked = False
 
     def __init__(self) -> None:
         self.turned: dict[frozenset[Any], bool] = {}
 
     def decide(self, what: str, wanted: bool) -> bool:
         """Return the answer to a question with two answers; `wanted` is the one that leads on, most often."""
-        self.asked_once = True
+        self.asked = True
         return wanted
 
     def supplied(self, what: str) -> Any:
@@ -52,7 +52,7 @@ class Judge:
 
     def note(self, what: str, value: object = UNKNOWN) -> None:
         """Take note that code goes by what stands in: by a value that it holds, or by one that nobody knows."""
-        self.asked_once = True
+        self.asked = True
 
 
 judge = Judge()

@@ -278,7 +278,7 @@ class Mistaken(State):
 
     def execute(self, userdata):
         if self.bottles is None:
-            from grip_bt import bottles_of_nobody  # noqa: F401
+            from json import bottles_of_nobody  # noqa: F401
         return "done" if 1 / self.bottles else "done"
 
 

@@ -34,10 +34,11 @@ def _code_of(file: Path, changed: int) -> CodeType:
         loaded: CodeType = marshal.loads(kept.read_bytes())
         return loaded
     made: CodeType = compile(tracked_code.tracked(ast.parse(read_source(file).text)), str(file), "exec")
-    is_keeping = folder is not None
-    if is_keeping:
-        part = kept.with_suffix(f".{os.getpid()}")
-        part.write_bytes(marshal.dumps(made))
-        os.replace(part, kept)
-    is_keeping = False
+    if folder is not None:
+        is_keeping, part = True, kept.with_suffix(f".{os.getpid()}")
+        try:
+            part.write_bytes(marshal.dumps(made))
+            os.replace(part, kept)
+        finally:
+            is_keeping = False
     return made

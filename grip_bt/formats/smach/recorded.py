@@ -156,7 +156,7 @@ def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[st
     elif any(run.unfinished for run, _ in seen) or any(r.unfinished for r in record.runs if r.builder == "import"):
         asked = list(dict.fromkeys(f"`{t.what}`" for run, _ in seen for t in run.asked))
         listed = ", ".join(asked[:_MOST_REASONS]) + (f" and {n} more" if (n := len(asked) - _MOST_REASONS) > 0 else "")
-        yield f"asks more than was tried of what is known only in a run: {listed or 'by its import'}", None
+        yield f"asks more than was tried of what is known only in a run: {listed}", None
     elif not told and (again is None or {m.shape for _, m in again} != {m.shape for _, m in seen}):
         yield "was another machine when it was built again: something in it goes by chance", None
 

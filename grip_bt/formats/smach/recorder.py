@@ -25,16 +25,7 @@ from grip_bt import smach_compat
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_construction import CONTAINERS, CaughtError, Construction
 from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, read_source, workspace_of
-from grip_bt.nodes.stand_ins import (
-    StandIn,
-    StandInFinder,
-    asked_by_a_library,
-    known,
-    name_of,
-    stand_in,
-    stands_in,
-    unwrapped,
-)
+from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, stands_in, unwrapped
 
 from . import compiled, tracked_code
 from .facts import facts_of
@@ -209,7 +200,7 @@ class FileRecorder:
         self._about(job)
         name = module_name(self.file)
         tracked_code.legacy_modules.add(name)
-        sys.argv = known("sys.argv", [job.file])
+        sys.argv = stand_ins.known("sys.argv", [job.file])
         self.modules.folders = list(dict.fromkeys((*self.workspace.folders, *self.modules.folders)))
         self.asking.given, self.asking.over = job.answers, False
         run, module = self._run("import", self.asking, self.recording, lambda: self._import(name))

@@ -228,12 +228,9 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         def parameter(name: Any, default: Any = stand_ins.UNKNOWN) -> Any:
             return known(f"ROS parameter {name}", default)
 
-        def supplied(name: Any) -> bool:
-            return stand_ins.judge.supplied(f"ROS parameter {name}") is not stand_ins.UNKNOWN
-
         given: dict[str, Any] = {
             "get_param": parameter,
-            "has_param": lambda name: supplied(name) or stand_in(f"ROS parameter {name}", wanted=False),
+            "has_param": lambda name: not stands_in(parameter(name)) or stand_in(f"ROS parameter {name}", wanted=False),
             "is_shutdown": lambda: stand_in("rospy.is_shutdown()"),
             "myargv": lambda *given, **named: sys.argv,
         }
