@@ -33,6 +33,7 @@ class Judge:
     Attributes:
         elsewhere: whether it gave an answer that isn't true of what stand-ins hold.
         asked: whether anything has gone by a stand-in.
+        known: what somebody has said of things that aren't here, by their names: their values, answers to questions.
         turned: two things in a set -> whether the second comes first.
     """
 
@@ -40,15 +41,12 @@ class Judge:
 
     def __init__(self) -> None:
         self.turned: dict[frozenset[Any], bool] = {}
+        self.known: dict[str, Any] = {}
 
     def decide(self, what: str, wanted: bool) -> bool:
         """Return the answer to a question with two answers; `wanted` is the one that leads on, most often."""
         self.asked = True
         return wanted
-
-    def supplied(self, what: str) -> Any:
-        """Return what was supplied in the place of something that isn't here, or UNKNOWN."""
-        return UNKNOWN
 
     def note(self, what: str, value: object = UNKNOWN) -> None:
         """Take note that code goes by what stands in: by a value that it holds, or by one that nobody knows."""
@@ -249,9 +247,8 @@ def stand_in(name: str, held: Any = UNKNOWN, wanted: bool = True) -> StandIn:
 
 
 def known(name: str, held: Any = UNKNOWN) -> Any:
-    """Return what was supplied for something of this name, or a stand-in."""
-    supplied = judge.supplied(name[:_LONGEST])
-    return stand_in(name, held) if supplied is UNKNOWN else supplied
+    """Return what somebody has said of something of this name, or a stand-in."""
+    return judge.known[name[:_LONGEST]] if name[:_LONGEST] in judge.known else stand_in(name, held)
 
 
 def stands_in(value: object) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
@@ -171,10 +170,6 @@ def _name(container: ContainerInfo, result: ImportedFile) -> str:
     return free(task_name(own if builder in ("", "main", "__main__") else builder), result.tasks)
 
 
-_DECIDING = r"(?:goes by|is another machine by the answer to|asks more than .*?:) `([^`]*)`"
-_MOST_NAMED = 6
-
-
 def _advice(files: list[ImportedFile], executed: bool) -> list[str]:
     """Return what to do, each thing once, in lines; none where everything is exact."""
     lines = []
@@ -189,10 +184,6 @@ def _advice(files: list[ImportedFile], executed: bool) -> list[str]:
         said = ", ".join(f"{name}: ..." for name in dict.fromkeys(name for names in needed.values() for name in names))
         what = f"{len(needed)} builders need" if len(needed) > 1 else f"{next(iter(needed))} needs"
         lines.append(f"{what} arguments: --arguments FILE.yaml with `{{{said}}}`, or in leaves.py what makes them")
-    told = (re.match(_DECIDING, issue.message) for c in every for issue in c.issues)
-    if executed and (names := dict.fromkeys(found[1] for found in told if found)):
-        said = ", ".join(f"{name!r}: ..." for name in list(names)[:_MOST_NAMED])
-        lines.append(f"what only a run knows can be given by its name here, too: `{{{said}}}`")
     if executed and any(c.verdict == "failed" for c in every):
         lines.append("what couldn't be built: write a function without arguments that builds it, and import it again")
     return lines

@@ -160,11 +160,6 @@ class Job(BaseModel):
     builders: list[str] | None = None
     answers: list[bool] = []
 
-    @property
-    def supplied(self) -> dict[str, Any]:
-        """What is given under the name of something that isn't here."""
-        return {**self.given, **self.given.get("", {})}
-
 
 class Built(BaseModel):
     """An outermost machine as one run has built it.
@@ -223,3 +218,4 @@ class Record(BaseModel):
     runs: list[Run] = []
     read: list[str] = []
     error: str = ""
+    compiled: list[Path] = []

@@ -8,7 +8,6 @@ import sys
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import Any
 from zlib import crc32
@@ -28,8 +27,7 @@ class Recorder:
     """Two recording processes, whose hashes differ; `with Recorder() as recorder` ends them. Threads may share it."""
 
     def __enter__(self) -> Recorder:
-        self._compiled = TemporaryDirectory(prefix="grip-recorded-")
-        self._processes = [(self._start(seed, self._compiled.name), Lock()) for seed in ("1", "2")]
+        self._processes = [(self._start(seed), Lock()) for seed in ("1", "2")]
         return self
 
     def __exit__(self, *given: object) -> None:
@@ -37,13 +35,12 @@ class Recorder:
             process.stdin.close()  # type: ignore[union-attr]
             process.wait()
             process.stdout.close()  # type: ignore[union-attr]
-        self._compiled.cleanup()
 
     @staticmethod
-    def _start(seed: str, compiled: str) -> subprocess.Popen[str]:
+    def _start(seed: str) -> subprocess.Popen[str]:
         path = os.pathsep.join(filter(None, sys.path))
         environment = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": seed}
-        command = python_command("-c", f"from {__package__}.recorder import main; main()", compiled)
+        command = python_command("-c", f"from {__package__}.recorder import main; main()")
         pipe = subprocess.PIPE
         return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
 
@@ -150,30 +147,14 @@ def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[st
     if len(told) > _MOST_REASONS:
         yield f"and {len(told) - _MOST_REASONS} more like these", None
     if _variants(seen) > 1:
-        for each in _deciding(seen)[:_MOST_REASONS]:
+        asked = {(t.what, t.file, t.line): t for run, _ in seen for t in run.asked}
+        for each in list(asked.values())[:_MOST_REASONS]:
             text = f"is another machine by the answer to `{each.what}`, known only in a run; shown as for one of them"
             yield text, _span(each)
     elif any(run.unfinished for run, _ in seen) or any(r.unfinished for r in record.runs if r.builder == "import"):
-        asked = list(dict.fromkeys(f"`{t.what}`" for run, _ in seen for t in run.asked))
-        listed = ", ".join(asked[:_MOST_REASONS]) + (f" and {n} more" if (n := len(asked) - _MOST_REASONS) > 0 else "")
-        yield f"asks more than was tried of what is known only in a run: {listed}", None
+        yield "asks more than was tried of what is known only in a run", None
     elif not told and (again is None or {m.shape for _, m in again} != {m.shape for _, m in seen}):
         yield "was another machine when it was built again: something in it goes by chance", None
-
-
-def _deciding(seen: Seen) -> list[Told]:
-    """Return the questions that decide which machine is built: each run is compared with the one it parts from last."""
-    shapes, found = [machine.shape for _, machine in seen], dict[tuple[str, str, int], Told]()
-    for number, (run, _) in enumerate(seen):
-        parted = [(_parting(run.answers, other.answers), at) for at, (other, _) in enumerate(seen[:number])]
-        at, before = max(parted, default=(len(run.asked), number))
-        if shapes[before] != shapes[number] and at < len(run.asked):
-            found.setdefault((run.asked[at].what, run.asked[at].file, run.asked[at].line), run.asked[at])
-    return list(found.values()) or [told for run, _ in seen for told in run.asked]
-
-
-def _parting(one: list[bool], other: list[bool]) -> int:
-    return next((n for n, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
 
 
 def _span(told: Told) -> Span | None:

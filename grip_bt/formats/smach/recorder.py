@@ -16,7 +16,8 @@ import sys
 import unittest
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
+from contextlib import suppress
+from functools import lru_cache, partial
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
@@ -27,7 +28,7 @@ from grip_bt.nodes.smach_construction import CONTAINERS, CaughtError, Constructi
 from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, read_source, workspace_of
 from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, stands_in, unwrapped
 
-from . import compiled, tracked_code
+from . import tracked_code
 from .facts import facts_of
 from .found import Built, Job, Record, Run, Told
 from .sandbox import BUILDER_PATIENCE, PATIENCE, Warmed, WarmProcesses, in_child, seconds_used
@@ -48,19 +49,20 @@ class TooManyError(BaseException):
 
 
 class Asking(stand_ins.Judge):
-    """Answers as people do (`supplied`), as it is told to, then as is wanted, and keeps what was asked."""
+    """Answers as people do (`known`), as it is told to, then as is wanted, and keeps what was asked."""
 
-    def __init__(self, answers: list[bool], supplied: Mapping[str, Any]):
+    def __init__(self, answers: list[bool], job: Job):
         super().__init__()
-        self.given, self.answers, self._supplied = answers, list[bool](), supplied
+        self.given, self.answers = answers, list[bool]()
+        self.known: dict[str, Any] = {**job.given, **job.given.get("", {})}
         self.asked: list[Told] = []
         self.told: dict[str, Told] = {}
         self.over = False
 
     def decide(self, what: str, wanted: bool) -> bool:
         """Answer as was told to, or as is wanted."""
-        if self.over or what in self._supplied:
-            return bool(self._supplied.get(what, wanted))
+        if self.over or what in self.known:
+            return bool(self.known.get(what, wanted))
         if len(self.answers) >= MOST_QUESTIONS:
             self.over = True
             raise TooManyError
@@ -69,10 +71,6 @@ class Asking(stand_ins.Judge):
         self.elsewhere = self.elsewhere or answer != wanted
         self.asked.append(_told(what))
         return answer
-
-    def supplied(self, what: str) -> Any:
-        """Return what people have supplied in the place of something."""
-        return self._supplied.get(what, stand_ins.UNKNOWN)
 
     def note(self, what: str, value: object = stand_ins.UNKNOWN) -> None:
         """Keep it."""
@@ -167,12 +165,26 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
     return runs
 
 
+_compiled: dict[Path, None] = {}
+
+
+def _code(file: Path) -> CodeType:
+    _compiled[file] = None
+    tracked_code.files.add(str(file))
+    return _code_of(file, file.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=4000)
+def _code_of(file: Path, changed: int) -> CodeType:
+    return compile(tracked_code.tracked(read_source(file).tree), str(file), "exec")
+
+
 class FileRecorder:
     """Records a file of a workspace in the process that imports it, or what several files import first."""
 
     def __init__(self, job: Job):
         self.finder, self.record, self.read = StandInFinder(), Record(), set[str]()
-        self.asking = Asking(job.answers, job.supplied)
+        self.asking = Asking(job.answers, job)
         stand_ins.judged_by(self.asking)
         self.recording = Recording(self.asking)
         self._about(job)
@@ -211,6 +223,7 @@ class FileRecorder:
             for builder, call in (("__main__", self._main), *self._builders(module)):
                 if job.builders is None or builder in job.builders:
                     self.record.runs += answered(partial(self._built, builder, call), MOST_ANSWERS)
+        self.record.compiled = list(_compiled)
         self.record.read = sorted(self.read)
         run.seconds = seconds_used()
         return self.record
@@ -242,13 +255,13 @@ class FileRecorder:
         module.__file__ = str(self.file)
         sys.modules[name] = module
         try:
-            exec(compiled.code_of(self.file), module.__dict__)
+            exec(_code(self.file), module.__dict__)
         except CaughtError:
             pass
         return module
 
     def _main(self) -> Any:
-        exec(compiled.code_of(self.file), {"__name__": "__main__", "__file__": str(self.file)})
+        exec(_code(self.file), {"__name__": "__main__", "__file__": str(self.file)})
 
     def _run(self, builder: str, asking: Asking, recording: Recording, work: Callable[[], Any]) -> tuple[Run, Any]:
         stand_ins.judged_by(asking)
@@ -266,7 +279,7 @@ class FileRecorder:
     def _built(self, builder: str, call: Callable[[], Any], given: list[bool]) -> Run:
         def work() -> Run:
             self._missing = list[str]()
-            asking = Asking(given, self.job.supplied)
+            asking = Asking(given, self.job)
             recording = Recording(asking)
             run, result = self._run(builder, asking, recording, call)
             run.missing, run.seconds = self._missing, seconds_used()
@@ -358,7 +371,7 @@ class _TrackedFinder(LegacyFinder):
     """Finds what is in the workspace, wherever the path leads there, and compiles it so that it is seen."""
 
     def __init__(self, workspace: Workspace, finder: StandInFinder):
-        super().__init__(workspace.shared, compiled.code_of)
+        super().__init__(workspace.shared, _code)
         self.workspace, self.finder, self.tried = workspace, finder, dict[str, str]()
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
@@ -418,7 +431,9 @@ def record(job: Job, warm: WarmProcesses) -> Record:
         first = next(iter(told.runs), Run(builder="import", stopped=True))
         for run in told.runs[1:]:  # what the import went by, each machine goes by too
             run.told, run.asked = first.told + run.told, first.asked + run.asked
-            run.answers = first.answers + run.answers
+        for file in told.compiled:  # here, once for all that come
+            with suppress(Exception):  # what its child has told of already
+                _code(file)
         whole.runs += told.runs
         return first
 
@@ -427,8 +442,7 @@ def record(job: Job, warm: WarmProcesses) -> Record:
 
 
 def main() -> None:
-    """Answer jobs until stdin ends; compiled code is kept in the folder that is named."""
-    compiled.folder = Path(sys.argv[1])
+    """Answer jobs until stdin ends."""
     warm = WarmProcesses(FileRecorder)
     for line in sys.stdin:
         sys.stdout.write(record(Job.model_validate_json(line), warm).model_dump_json(exclude_defaults=True) + "\n")

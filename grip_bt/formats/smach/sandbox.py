@@ -7,7 +7,6 @@ goes on in a fork of it; that is what it would have seen itself, since none of i
 from __future__ import annotations
 
 import ast
-import ctypes
 import os
 import resource
 import select
@@ -31,27 +30,17 @@ PATIENCE, BUILDER_PATIENCE = 20, 4
 """How much time of the processor [s] a file, and a builder, may take; of the clock it is ten times as much."""
 MOST_WARM, MANY = 6, 3
 """How many warm processes there are at most, and how many files have to begin alike for one."""
-_PR_SET_PDEATHSIG, _prctl = 1, getattr(ctypes.CDLL(None), "prctl", None)  # of Linux
 _LOOK, _IDLE = 0.25, 12
 """How often it is looked whether a child only waits [s], and how many times are too many: nothing else runs here."""
-
-
-def _fork() -> int:
-    """Fork; the child has a process group of its own, and dies with its parent."""
-    child = os.fork()
-    if child == 0:
-        os.setpgid(0, 0)
-        if _prctl is not None:
-            _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-    return child
 
 
 def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel], patience: int) -> str:
     """Return, as JSON, what is told by a child of this process; `otherwise` says what a failure is."""
     reader, writer = os.pipe()
-    child = _fork()
+    child = os.fork()
     if child == 0:
         os.close(reader)
+        os.setpgid(0, 0)
         resource.setrlimit(resource.RLIMIT_CPU, (patience + 1, patience + 1))
         try:
             text = work().model_dump_json(exclude_defaults=True)
@@ -119,8 +108,9 @@ class _Warm:
     def __init__(self, recorder: Callable[[Job], Any], names: list[str], job: Job):
         self._given = job.answers
         (answers, answering), (asked, asking) = os.pipe(), os.pipe()
-        self._process = _fork()
+        self._process = os.fork()
         if self._process == 0:
+            os.setpgid(0, 0)
             os.close(answers)
             os.close(asking)
             try:

@@ -30,7 +30,6 @@ from grip_bt.nodes.stand_ins import StandInFinder, known, lifted, name_of, stand
 from grip_bt.smach_compat import smach_ros as real
 from grip_bt.smach_compat.smach_ros._port import Ros
 
-from . import compiled
 from .found import FIXED_OUTCOMES
 from .tracked_code import SPECIAL, caller, is_tracked
 
@@ -51,8 +50,6 @@ def guard(workspace: Workspace, read: set[str]) -> None:
     own, python = str(workspace.root) + os.sep, (sys.prefix, sys.base_prefix, "/proc/", "/dev/", "/usr/lib", "/etc/ssl")
 
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
-        if compiled.is_keeping:
-            return
         if event.startswith(_REFUSED) and caller() is not None:
             raise PermissionError(f"{event} isn't allowed while machines are recorded")
         if event not in ("open", "os.listdir", "os.scandir") or caller() is None:
@@ -121,8 +118,8 @@ _SEEN: dict[Any, tuple[str, ...]] = {
 
 
 def _seen(function: Callable[..., Any], name: str, *arguments: Any, **named: Any) -> Any:
-    supplied = stand_ins.judge.supplied(name)
-    return lifted(function, name, *arguments, **named) if supplied is stand_ins.UNKNOWN else supplied
+    given = stand_ins.judge.known
+    return given[name] if name in given else lifted(function, name, *arguments, **named)
 
 
 def _change(*paths: Any, **named: Any) -> None:
@@ -169,7 +166,7 @@ class _Environment(dict[str, str]):
     def __getitem__(self, key: str) -> Any:
         if not _is_legacy_caller():
             return super().__getitem__(key)
-        there = key in dict.keys(self) or stand_ins.judge.supplied(f"${key}") is not stand_ins.UNKNOWN
+        there = key in dict.keys(self) or f"${key}" in stand_ins.judge.known
         if there or stand_ins.judge.decide(f"${key} is set", True):
             return known(f"${key}", super().get(key, stand_ins.UNKNOWN))
         raise KeyError(key)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import builtins
-import operator
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -37,7 +36,7 @@ class _Tracking(ast.NodeTransformer):
         if len(node.ops) != 1 or not isinstance(node.ops[0], (ast.Is, ast.IsNot)):
             return node
         made = _calling(IS, node, node.left, node.comparators[0])
-        return made if isinstance(node.ops[0], ast.Is) else _at(ast.UnaryOp(ast.Not(), made), node)
+        return made if isinstance(node.ops[0], ast.Is) else ast.copy_location(ast.UnaryOp(ast.Not(), made), node)
 
     def _set(self, node: Any) -> ast.expr:
         self.generic_visit(node)
@@ -54,30 +53,23 @@ class _Tracking(ast.NodeTransformer):
         parts: list[ast.expr] = []
         for part in node.values:
             if isinstance(part, ast.FormattedValue):
-                spec = part.format_spec or _at(ast.Constant(""), node)
-                conversion = _at(ast.Constant(part.conversion), node)
-                parts.append(_at(ast.Tuple([part.value, conversion, spec], ast.Load()), node))
+                spec = part.format_spec or ast.Constant("")
+                parts.append(ast.Tuple([part.value, ast.Constant(part.conversion), spec], ast.Load()))
             else:
                 parts.append(part)
         return _calling(TEXT, node, *parts)
 
 
 def _calling(name: str, node: ast.expr, *arguments: ast.expr, keywords: Iterable[ast.keyword] = ()) -> ast.Call:
-    return _at(ast.Call(_at(ast.Name(name, ast.Load()), node), list(arguments), list(keywords)), node)
-
-
-_AT = operator.attrgetter("lineno", "col_offset", "end_lineno", "end_col_offset")
-
-
-def _at(made: Any, node: ast.expr) -> Any:
-    made.lineno, made.col_offset, made.end_lineno, made.end_col_offset = _AT(node)
-    return made
+    function = ast.copy_location(ast.Name(name, ast.Load()), node)
+    made = ast.Call(function, list(arguments), list(keywords))
+    return ast.copy_location(made, node)
 
 
 def tracked(tree: ast.Module) -> ast.Module:
     """Return the code so that stand-ins are seen; lines stay."""
-    made: ast.Module = _Tracking().visit(tree)
-    return made
+    made = _Tracking().visit(tree)
+    return ast.fix_missing_locations(made)  # type: ignore[no-any-return]
 
 
 def install() -> None:

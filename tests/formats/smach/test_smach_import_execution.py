@@ -194,7 +194,6 @@ def test_what_only_a_run_knows_is_told_by_name_and_can_be_given_under_it(tmp_pat
         found = recorded(tmp_path, SURROUNDINGS, given={"": given})
         assert verdicts(found) == ["partial"]
         assert f"{decides}{words}`" in texts(found)
-        assert "ready" not in texts(found)
     (found,) = recorded(tmp_path, SURROUNDINGS, given={"": {**known, none: False}}).containers
     assert (list(found.added), found.verdict) == (["B", "HALL_left", "YARD_left"], "exact")
 

@@ -1,13 +1,12 @@
 """The processes that construction runs in: what is warm is what a file would have seen alone, and what waits ends."""
 
-import os
 import threading
 
 from smach_runs import record
 
-from grip_bt.formats.smach import compiled, sandbox, tracked_code
+from grip_bt.formats.smach import sandbox
 from grip_bt.formats.smach.found import Run
-from grip_bt.nodes.smach_source import read_source, workspace_of
+from grip_bt.nodes.smach_source import workspace_of
 
 LIBRARY = """
 import smach
@@ -61,20 +60,6 @@ def test_files_that_begin_alike_see_what_each_would_see_alone(tmp_path):
         assert (list(found.added), found.verdict) == ([*labels, more], "exact")
     firsts = [sandbox.first_imports(file, workspace_of(file, tmp_path)) for file in (files[1], files[5], own)]
     assert firsts == [["library"], ["names"], ["library"]]
-
-
-def test_what_one_process_has_compiled_another_loads_until_the_file_changes(tmp_path, monkeypatch):
-    file, names = tmp_path / "legacy.py", {}
-    monkeypatch.setattr(compiled, "folder", tmp_path)
-    monkeypatch.setattr(tracked_code, "files", set())
-    for text, ends in [("A = 1", ["first"]), ("A = 1", []), ("A = 22", ["first"])]:
-        file.write_text(text)
-        os.utime(file, ns=(len(text), len(text)))
-        compiled._code_of.cache_clear()
-        read = []
-        monkeypatch.setattr(compiled, "read_source", lambda path, read=read: read.append("first") or read_source(path))
-        exec(compiled.code_of(file), names)
-        assert (read, names["A"]) == (ends, int(text[4:]))
 
 
 def test_what_only_waits_is_ended_long_before_its_time_is_over(monkeypatch):
