@@ -151,7 +151,7 @@ def test_breakpoints_hold_a_tree_in_its_tick_and_see_its_blackboard(code: Path) 
     [
         (":needs", r"needs takes 'height': give it as a literal, `.*my_tree.py:needs\(height=...\)`"),
         (":nothing", "has no 'nothing' .*create_root, needs, main"),
-        (":Status", "takes 'value'|makes no tree"),
+        (":Status", "takes 'value'|argument: 'value'|makes no tree"),
         (":create_root(where=x)", "arguments are literals by name"),
     ],
 )
