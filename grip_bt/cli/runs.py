@@ -22,7 +22,6 @@ from grip_bt.app.runs.replay import (
     line_of,
     moment_lines,
     replay,
-    timings,
 )
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.cli.parser import number
@@ -44,9 +43,7 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="where to, with --to; of lerobot the dataset's folder, which grows",
     )
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--data", action="store_true", help="show the last value of each variable that the run wrote")
-    what.add_argument("--timing", action="store_true", help="show how long the nodes of the run took")
+    add("--data", action="store_true", help="show the last value of each variable that the run wrote")
     doc = "remove the oldest runs that have ended until the journal holds no more, such as 500MB (default: its limit)"
     add("--prune", nargs="?", const="", metavar="SIZE", help=doc)
 
@@ -57,7 +54,7 @@ def run_runs(args: argparse.Namespace) -> int:
     if (args.to is None) != (args.output is None):
         args.usage_error("--to and -o go together: grip runs RUN --to mcap -o FILE")
     place = Path(args.what)
-    one = args.to is not None or args.data or args.timing or not place.exists()
+    one = args.to is not None or args.data or not place.exists()
     home = find_project(Path() if one and not place.exists() else place).folder
     journal = args.journal or home / ".grip" / "runs.sqlite"
     if not journal.is_file():
@@ -72,8 +69,6 @@ def run_runs(args: argparse.Namespace) -> int:
             print(f"{args.output}: {add_run(reader, run, args.output)} frames of run {run}")
         elif run is not None and args.to is not None:
             print(f"{args.output}: {export_run(reader, run, args.output, args.to)} events of run {run}")
-        elif run is not None and args.timing:
-            _timing(reader, run, args.json)
         elif run is not None and args.data:
             _data(reader, run, args.json)
         else:
@@ -111,16 +106,6 @@ def _data(reader: JournalReader, run: str, as_json: bool) -> None:
         what = f"{event.data.get('type', ''):<16} {event.data.get('preview', '')}"
         lines.append(f"{name:<20} {what}  (by {event.path}, {event.t:.3f} s)")
     tell(as_json, {name: asdict(event) for name, event in written.items()}, lines)
-
-
-def _timing(reader: JournalReader, run: str, as_json: bool) -> None:
-    rows = timings(reader.events(run))
-    width = max([len(row.path) for row in rows] + [4])
-    lines = [f"{'node':<{width}}  {'count':>6} {'halted':>6} {'total [s]':>11} {'median [s]':>11} {'max [s]':>11}"]
-    for row in rows:
-        times = f"{row.total:>11.4f} {row.median:>11.4f} {row.max:>11.4f}"
-        lines.append(f"{row.path:<{width}}  {row.count:>6} {row.interrupted:>6} {times}")
-    tell(as_json, [asdict(row) for row in rows], lines)
 
 
 def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
 
-from grip_bt.app.runs.replay import Timing, failures, timings
+from grip_bt.app.runs.replay import failures
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import Event
 
@@ -36,17 +35,6 @@ def task(tmp_path: Path) -> str:
     return str(tmp_path / "tables.yaml")
 
 
-def test_activations_are_timed_and_halted_ones_are_counted_apart() -> None:
-    events = [
-        *(event(0.0, "a", "enter"), event(1.0, "a", "exit", "success")),
-        *(event(2.0, "a", "enter"), event(5.0, "a", "exit", "success")),
-        *(event(5.0, "b", "enter"), event(6.0, "b", "interrupted")),
-        *(event(6.0, "a", "enter"), event(8.0, "a", "exit", "failure", "no_ik")),
-        event(9.0, "b", "interrupted"),
-    ]
-    assert timings(events) == [Timing("a", 3, 0, 6.0, 2.0, 3.0), Timing("b", 0, 1, 0.0, 0.0, 0.0)]
-
-
 def test_a_reason_is_counted_where_it_arose() -> None:
     events = []
     for _ in range(2):
@@ -61,15 +49,3 @@ def test_the_summary_of_a_run_says_why_leaves_failed_though_the_task_recovered(t
     said, *reasons = capfd.readouterr().out.splitlines()
     assert said.startswith("success: success; ")
     assert reasons == ["    2x both/look: time_out: mocked", "    2x both/other: tired"]
-
-
-def test_the_times_of_a_run_are_listed(task: str, capfd, monkeypatch) -> None:
-    assert main(["run", task, "--mock", "both/look=success", "--json"]) == 0
-    run = json.loads(capfd.readouterr().out)["run"]
-    monkeypatch.chdir(Path(task).parent)
-    assert main(["runs", run, "--timing"]) == 0
-    head, *rows = capfd.readouterr().out.splitlines()
-    assert head.split() == ["node", "count", "halted", "total", "[s]", "median", "[s]", "max", "[s]"]
-    assert [row.split()[:3] for row in rows] == [[p, "1", "0"] for p in ("/", "both", "both/look")]
-    assert main(["runs", "last", "--timing", "--json"]) == 0
-    assert {row["path"] for row in json.loads(capfd.readouterr().out)} == {"/", "both", "both/look"}

@@ -107,7 +107,6 @@ def verbs(run: str) -> Iterator[list[str]]:
     yield ["runs"]
     yield ["runs", "--json"]
     yield ["runs", run, "--data"]
-    yield ["runs", run, "--timing"]
     for to in ("jsonl", "csv", "mcap"):
         yield ["runs", run, "--to", to, "-o", f"out.{to}"]
     yield ["replay", run, "--speed", "0"]

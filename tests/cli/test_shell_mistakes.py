@@ -113,12 +113,6 @@ def test_a_beginning_that_several_runs_have_is_no_unknown_run(project, capsys):
     assert said.endswith("; give more characters\n")
 
 
-def test_two_tables_at_once_are_a_usage_error(project, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main(["runs", "last", "--timing", "--data"])
-    assert "--data: not allowed with argument --timing" in capsys.readouterr().err
-
-
 def test_an_end_that_a_node_never_came_to_brings_those_that_it_did(project, capsys):
     assert run() == 0
     assert main(["replay", "last", "--until", "a:failure"]) == 1

@@ -5,10 +5,8 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from os.path import commonprefix
 from pathlib import Path, PurePosixPath
-from statistics import median
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
@@ -174,37 +172,6 @@ def moment_lines(moment: RunSnapshot, record: RunRecord | None = None) -> list[s
     if record is not None and record.status in _NO_END:
         lines.append(f"  {_NO_END[record.status]}; resume it with: grip run --resume {record.id}")
     return lines
-
-
-@dataclass(frozen=True)
-class Timing:
-    """How long [s] the activations of a node took, on the run's clock, without those that were interrupted."""
-
-    path: str
-    count: int
-    interrupted: int
-    total: float
-    median: float
-    max: float
-
-
-def timings(events: Iterable[Event]) -> list[Timing]:
-    """Return the times of each node of a run, in the order in which they began first."""
-    begun: dict[str, float] = {}
-    taken: dict[str, list[float]] = {}
-    halted: Counter[str] = Counter()
-    for event in events:
-        if event.event == "enter":
-            begun[event.path] = event.t
-            taken.setdefault(event.path, [])
-        elif event.event == "exit" and event.path in begun:
-            taken[event.path].append(event.t - begun.pop(event.path))
-        elif event.event == "interrupted" and begun.pop(event.path, None) is not None:
-            halted[event.path] += 1
-    return [
-        Timing(path, len(all), halted[path], sum(all), median(all) if all else 0.0, max(all, default=0.0))
-        for path, all in taken.items()
-    ]
 
 
 def failures(events: Iterable[Event]) -> dict[tuple[str, str], tuple[int, str]]:
