@@ -158,11 +158,7 @@ def _is_own(error: Exception) -> bool:
 
     Then a stand-in that has caused it is still one: in what a frame holds or names, or in an object there.
     """
-    if (
-        (sure := isinstance(error, (NameError, ImportError)))
-        or isinstance(error, WaitingError)
-        or stand_ins.judge.asked
-    ):
+    if (sure := isinstance(error, (NameError, ImportError))) or isinstance(error, WaitingError) or stand_ins.judge.used:
         return sure
     near = list[object]()
     for frame, _ in traceback.walk_tb(error.__traceback__):

@@ -32,12 +32,12 @@ class Judge:
 
     Attributes:
         elsewhere: whether it gave an answer that isn't true of what stand-ins hold.
-        asked: whether anything has gone by a stand-in.
+        used: whether anything has gone by a stand-in.
         known: what somebody has said of things that aren't here, by their names: their values, answers to questions.
         turned: two things in a set -> whether the second comes first.
     """
 
-    elsewhere = asked = False
+    elsewhere = used = False
 
     def __init__(self) -> None:
         self.turned: dict[frozenset[Any], bool] = {}
@@ -45,12 +45,12 @@ class Judge:
 
     def decide(self, what: str, wanted: bool) -> bool:
         """Return the answer to a question with two answers; `wanted` is the one that leads on, most often."""
-        self.asked = True
+        self.used = True
         return wanted
 
     def note(self, what: str, value: object = UNKNOWN) -> None:
         """Take note that code goes by what stands in: by a value that it holds, or by one that nobody knows."""
-        self.asked = True
+        self.used = True
 
 
 judge = Judge()
