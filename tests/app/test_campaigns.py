@@ -88,7 +88,7 @@ def test_each_variant_meets_each_seed_and_the_summary_says_what_came_of_it(proje
     assert rows[0]["trial"] == f"{rows[0]['variant']}@{rows[0]['seed']}"
     assert {"python", "machine", "campaign sha256", "project sha256"} <= rows[0]["provenance"].keys()
     # each run can be looked at: it is in the journal beside the results
-    assert main(["runs", rows[0]["run"], "--journal", str(project / ".grip/campaigns/who.sqlite"), "--timing"]) == 0
+    assert main(["runs", rows[0]["run"], "--journal", str(project / ".grip/campaigns/who.sqlite"), "--data"]) == 0
     assert "count/add" in capsys.readouterr().out
 
     assert main(["bench", "report", str(project / ".grip/campaigns/who.jsonl")]) == 0

@@ -69,7 +69,7 @@ def test_the_way_of_a_motion_and_what_touches_are_told_once_each(tmp_path: Path)
     arm.follows = Trajectory(joints, np.array([0.0, 2.0]), np.array([range(len(joints)), [1.0] * len(joints)]))
     with recorded_motion(Resources(arms={"right": arm}, hands={"hand": hand}), WallClock(), tmp_path / "j", "one"):
         pass
-    _, first = lines(motion_file(tmp_path / "j", "one"))
+    _, first, *_ = lines(motion_file(tmp_path / "j", "one"))  # a second line says that the motion is over
     assert first["touch"] == {"hand": {"tip": 2.0}}
     way = np.array(first["way"]["right"])
     assert way.shape[1] == len(joints)

@@ -58,6 +58,8 @@ def load_robot(source: str | RobotConfig, folder: Path | None = None) -> RobotDe
         UnknownNameError: there is neither such a robot nor such a file.
         MissingPartError: the data of a ready-made robot isn't installed.
     """
+    if isinstance(source, str) and source in ROBOTS:
+        return build_robot(source)
     key = source if isinstance(source, str) else source.model_dump_json(), (folder or Path()).resolve()
     inspected = _inspected_files.get(key, lambda: inspect_robot(source, folder))
     if inspected.description is None:
