@@ -28,7 +28,7 @@ await onPage(url, async (page, { answer, button, choose, item, nodeIs, runIs }) 
   await root.focus();
   await page.keyboard.press("Shift+K");
   await answer("To a behaviour tree");
-  await page.getByRole("dialog").getByText("Both forms are").waitFor();
+  await page.getByRole("dialog").getByText("Both forms do the same").waitFor();
   await page.keyboard.press("Enter");
   await page.getByRole("dialog").waitFor({ state: "detached" });
   await button("Tree").click();

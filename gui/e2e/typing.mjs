@@ -53,7 +53,7 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) 
   await pick("attempts");
   await page.keyboard.press("Shift+K");
   await dialog.getByRole("button", { name: /To a behaviour tree/ }).waitFor();
-  await page.keyboard.type("to a state machine, a");
+  await page.keyboard.type("states and edges");
   await eventually(() => dialog.locator(".few-choices [role=group] button:visible").allTextContents().then((all) => all.length), 1);
   await page.keyboard.press("Backspace");
   await page.keyboard.press("Escape");
