@@ -24,7 +24,7 @@ await onPage(url, async (page, { answer, button, choose, item, nodeIs, runIs }) 
   await page.locator('.flow [data-path="FIRST"]').waitFor();
   await page.locator('.flow .react-flow__edge[data-id="FIRST.done"]').waitFor({ state: "attached" });
 
-  // As a tree: first compared, then done.
+  // As a tree: first looked at, then done.
   await root.focus();
   await page.keyboard.press("Shift+K");
   await answer("To a behaviour tree");

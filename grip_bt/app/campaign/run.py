@@ -67,6 +67,7 @@ def campaign(
     place = own if output is None else Path(output)
     with alone(place):
         results = begin(place, head_of(found), resume)
+        done = results.done
         trials = Trials(found, place.with_suffix(".sqlite"), results.add, before=results.rows)
-        trials.run([trial for trial in found.trials() if trial not in results.done], workers)
+        trials.run([trial for trial in found.trials() if trial not in done], workers)
     return CampaignResults(results)
