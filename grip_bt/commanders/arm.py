@@ -13,7 +13,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExecutionAbortedError, OutOfLimitsError, SensorError
 from grip_bt.base.operation import Operation
-from grip_bt.base.ports import FREEDOMS, Executor
+from grip_bt.base.ports import FREEDOMS, Executor, Ways
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 from grip_bt.base.values.joints import MOVE_GROUP
 
@@ -109,11 +109,7 @@ class ArmCommander:
         self._stream = SteeredMotion(executor, self._plan_step)
         self._lock = threading.Lock()
         self._reached_by: list[tuple[Pose, JointState]] = []
-        self.follows: Trajectory | None = None
-        """The motion that it was told to follow last, `moving` while it does."""
-        self.moving = False
-        self.planned: tuple[Trajectory, ...] = ()
-        """Motions that were planned and not begun, of each series of plans the next one first."""
+        self.ways = Ways()
 
     @property
     def name(self) -> str:
@@ -225,10 +221,11 @@ class ArmCommander:
             return Operation.failed(error)
         # What was planned before it has been thought better of.
         ends = plan.trajectory.positions[[0, -1]]
-        own = [number for number, way in enumerate(self.planned) if np.array_equal(way.positions[[0, -1]], ends)]
-        self.planned = self.planned[own[-1] + 1 :] if own else self.planned
+        planned = self.ways.planned
+        own = [number for number, way in enumerate(planned) if np.array_equal(way.positions[[0, -1]], ends)]
+        self.ways = self.ways._replace(planned=planned[own[-1] + 1 :] if own else planned)
         motion = self._executor.execute(plan.trajectory)
-        self.follows, self.moving = plan.trajectory, True
+        self.ways = self.ways._replace(follows=plan.trajectory, moving=True)
         motion.add_done_callback(lambda: self._ended(plan.trajectory))
         return motion.then(lambda measured: _verified(plan, measured))
 
@@ -274,12 +271,12 @@ class ArmCommander:
         return self._planner.submit(request).then(self._keep)  # type: ignore[arg-type]
 
     def _keep(self, plan: Plan) -> Operation[Plan]:
-        self.planned = (*self.planned, plan.trajectory)[-_PLANNED:]
+        self.ways = self.ways._replace(planned=(*self.ways.planned, plan.trajectory)[-_PLANNED:])
         return Operation.finished(plan)
 
     def _ended(self, motion: Trajectory) -> None:
-        if self.follows is motion:
-            self.moving = False
+        if self.ways.follows is motion:
+            self.ways = self.ways._replace(moving=False)
 
     def _remember(self, chosen: Plan | ChosenGrasp | None) -> Operation[Grasp]:
         assert isinstance(chosen, ChosenGrasp)

@@ -14,7 +14,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import NoContactError, SensorError
 from grip_bt.base.operation import Operation
-from grip_bt.base.ports import HandPort, Touch
+from grip_bt.base.ports import HandPort, Touch, TouchPoints
 from grip_bt.base.values import JointState
 from grip_bt.base.values.joints import Closing, ContactPoint, Span
 
@@ -131,7 +131,7 @@ class HandCommander:
 
     def contact_points(self) -> Sequence[ContactPoint]:
         """Return where the hand presses on something; nothing where only forces are felt, as a real one's are."""
-        return getattr(self._port, "contact_points", tuple)()
+        return self._port.contact_points() if isinstance(self._port, TouchPoints) else ()
 
     def slips(self) -> Mapping[str, float]:
         if self._touch is None:

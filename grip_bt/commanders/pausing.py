@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -16,9 +16,10 @@ import numpy as np
 from grip_bt.base.arrays import Array
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError
 from grip_bt.base.operation import Operation
-from grip_bt.base.ports import Executor, HandPort, Steerable
+from grip_bt.base.ports import Executor, HandPort, Steerable, TouchPoints
 from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import JointState, Trajectory
+from grip_bt.base.values.joints import ContactPoint
 
 from .steering import spliced
 from .trajectory.stopping import ANY, accelerations_of, eased_down, jerks_of, smooth_start
@@ -251,7 +252,10 @@ class PausableHand(_InParts[tuple[JointState, float, float | None, float | None]
         super().__init__(
             hand, lambda job: hand.move(*job), lambda job, passed: (job[0], max(job[1] - passed, SHORTEST), *job[2:])
         )
-        self.contacts, self.contact_points = hand.contacts, getattr(hand, "contact_points", tuple)
+        self.contacts = hand.contacts
+        self.contact_points: Callable[[], Sequence[ContactPoint]] = (
+            hand.contact_points if isinstance(hand, TouchPoints) else tuple
+        )
 
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None

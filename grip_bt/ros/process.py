@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -18,14 +19,15 @@ from types import MappingProxyType
 
 from grip_bt.base.failures import ExpectedError, IncompatibleServerError
 from grip_bt.base.operation import Operation
+from grip_bt.base.xml import parse_xml
 from grip_bt.ros import process_reaper
 from grip_bt.ros.interfaces.packages import (
+    PackageError,
     child_paths,
     executable_of,
     launch_file_in,
     launch_file_of,
 )
-from grip_bt.ros.plain_launch import program_of
 from grip_bt.task.catalog.component_file import ComponentFile, Start
 
 _PATIENCE = 3.5
@@ -256,3 +258,26 @@ def advice(file: ComponentFile, error: ExpectedError, alive: bool, said: str) ->
         ours = "`{python}` is the one that runs GRIP, with ROS and the built interfaces"
         return f"\n{missing[1]!r} isn't installed for the Python in `command` ({home}); {ours}"
     return "" if said else "\nA server runs until it is stopped; this one ended by itself."
+
+
+_VARIABLE, _PLACE = re.compile(r"\$\(var +(\w+)\)"), re.compile(r"\$\((\w+)\)")
+
+
+def program_of(file: Path, given: Mapping[str, str]) -> list[str]:
+    """Return the command of an `.xml` launch file that has arguments and one `<executable cmd=...>`.
+
+    Raises:
+        PackageError: it has something else, which takes `ros2 launch`, or an argument lacks its value.
+        DocumentError: it is no XML.
+    """
+    elements = list(parse_xml(file.read_bytes(), str(file))) if file.suffix == ".xml" else []
+    programs = [element for element in elements if element.tag == "executable"]
+    if len(programs) != 1 or not {element.tag for element in elements} <= {"arg", "executable"}:
+        how = "source a ROS that has it (source /opt/ros/jazzy/setup.bash), or say what to start by `command:`"
+        raise PackageError(f"{file}: launch files are run by `ros2 launch`, which isn't on the path; {how}")
+    known = {each.get("name", ""): each.get("default") for each in elements if each.tag == "arg"} | dict(given)
+    if lacking := sorted(name for name, value in known.items() if value is None):
+        raise PackageError(f"{file}: its argument {lacking[0]!r} has no value; give one under `arguments:`")
+    values = {"dirname": str(file.parent), **{f"var_{name}": str(value) for name, value in known.items()}}
+    words = shlex.split(_VARIABLE.sub(r"$(var_\1)", programs[0].get("cmd", "")))
+    return [_PLACE.sub(lambda at: values.get(at[1], at[0]), word) for word in words]

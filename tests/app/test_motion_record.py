@@ -12,6 +12,7 @@ import numpy as np
 from grip_bt.app.runs.motion_record import KEPT, MOST_CELLS, Bodies, few_cells, motion_file, recorded_motion
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import SimulatorLostError
+from grip_bt.base.ports import Ways
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.base.values.joints import ContactPoint
 from grip_bt.base.values.solids import CellMap, Mesh
@@ -21,6 +22,8 @@ from grip_bt.runtime import WallClock
 
 
 class Turning:
+    ways = Ways()
+
     """An arm that has turned a little further whenever it is asked; `asked` is set at the third time."""
 
     def __init__(self) -> None:
@@ -66,7 +69,7 @@ def test_the_way_of_a_motion_and_what_touches_are_told_once_each(tmp_path: Path)
 
     arm, hand = FakeArm("right"), Gripping(JointState(("finger",), [0.0]))
     joints = tuple(reversed(arm.state().names))
-    arm.follows = Trajectory(joints, np.array([0.0, 2.0]), np.array([range(len(joints)), [1.0] * len(joints)]))
+    arm.ways = Ways(Trajectory(joints, np.array([0.0, 2.0]), np.array([range(len(joints)), [1.0] * len(joints)])))
     with recorded_motion(Resources(arms={"right": arm}, hands={"hand": hand}), WallClock(), tmp_path / "j", "one"):
         pass
     _, first, *_ = lines(motion_file(tmp_path / "j", "one"))  # a second line says that the motion is over
@@ -80,18 +83,17 @@ def test_the_way_of_a_motion_and_what_touches_are_told_once_each(tmp_path: Path)
 def test_a_motion_is_planned_begun_and_over_and_contacts_have_points(tmp_path: Path) -> None:
     class Planning:
         def __init__(self) -> None:
-            self.follows: Trajectory | None = None
-            self.moving, self.planned, self.asked = False, tuple[Trajectory, ...](), 0
+            self.ways, self.asked = Ways(), 0
 
         def state(self) -> JointState:
             self.asked += 1
             match self.asked:
                 case 2:
-                    self.planned = (there, back)
+                    self.ways = Ways(planned=(there, back))
                 case 4:
-                    self.planned, self.follows, self.moving = (back,), there, True
+                    self.ways = Ways(there, True, (back,))
                 case 8:
-                    self.moving = False
+                    self.ways = self.ways._replace(moving=False)
                     over.set()
             return JointState(("a",), [0.0])
 

@@ -96,18 +96,18 @@ def test_a_plan_made_elsewhere_is_not_executed(rig):
 
 def test_what_is_planned_is_known_until_it_or_a_later_plan_is_begun(rig):
     first, there, back = (rig.arm.plan(JointState(("panda_joint1",), [turn])).result() for turn in (0.1, 0.2, -0.2))
-    assert [way is plan.trajectory for way, plan in zip(rig.arm.planned, (first, there, back), strict=True)] == [
+    assert [way is plan.trajectory for way, plan in zip(rig.arm.ways.planned, (first, there, back), strict=True)] == [
         True
     ] * 3
-    assert rig.arm.follows is None
+    assert rig.arm.ways.follows is None
     begun = []
     run = rig.executor.execute
-    rig.executor.execute = lambda way: begun.append(rig.arm.planned) or run(way)
+    rig.executor.execute = lambda way: begun.append(rig.arm.ways.planned) or run(way)
     slow = replace(there, trajectory=there.trajectory.stretched(60.0))
     rig.arm.execute(slow).result()
     assert begun == [(back.trajectory,)]
-    assert rig.arm.planned == (back.trajectory,)
-    assert (rig.arm.follows, rig.arm.moving) == (slow.trajectory, False)
+    assert rig.arm.ways.planned == (back.trajectory,)
+    assert rig.arm.ways[:2] == (slow.trajectory, False)
 
 
 def test_each_plan_sees_the_scene_and_the_hand_as_they_are_when_it_is_asked(rig):

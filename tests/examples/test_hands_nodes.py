@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 from grip_bt.base.values import Grasp, JointState, Pose, Trajectory
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.hand import HandCommander
+from grip_bt.commanders.kinematics.fingertips import spans_of
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.commanders.kinematics.spans import spans_of
 from grip_bt.nodes.objects import turned
 
 

@@ -12,7 +12,7 @@ from ros_bench import DATA, ended, gone
 from grip_bt.base.failures import ServerLostError
 from grip_bt.ros.components import start_components
 from grip_bt.ros.interfaces.packages import PackageError, executable_of, launch_file_of, share_of
-from grip_bt.ros.plain_launch import program_of
+from grip_bt.ros.process import program_of
 
 TEXT = """
 name: trigger

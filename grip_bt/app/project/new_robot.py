@@ -13,8 +13,7 @@ from typing import Any
 
 import yaml
 
-from grip_bt.app.project.first_grasp import first_grasp
-from grip_bt.app.project.first_motions import FirstMotions, MotionFinder
+from grip_bt.app.project.first_motions import FirstMotions, MotionFinder, first_grasp
 from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig

@@ -13,7 +13,7 @@ import hashlib
 import json
 import threading
 from base64 import b64encode
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,9 +24,8 @@ from numpy.typing import NDArray
 
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import GripError
-from grip_bt.base.ports import Arm, Clock, Hand
+from grip_bt.base.ports import Arm, Clock, Hand, TouchPoints
 from grip_bt.base.values import JointState, Pose, Trajectory
-from grip_bt.base.values.joints import ContactPoint
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 
@@ -156,12 +155,12 @@ class _Ways:
         """Return what has changed, as `way` and `plans` of a line."""
         found: dict[str, dict[str, Any]] = {}
         for name, arm in arms.items():
-            way, plans = getattr(arm, "follows", None), getattr(arm, "planned", ())
+            way, moving, plans = arm.ways
             told, over = self._ways.get(name, (None, True))
             if way is not None and way is not told:
                 self._ways[name] = way, False
                 found.setdefault("way", {})[name] = _points(way, arm)
-            elif not over and not getattr(arm, "moving", True):
+            elif not over and not moving:
                 self._ways[name] = way, True
                 found.setdefault("way", {})[name] = []
             if plans is not self._plans.setdefault(name, ()):
@@ -171,7 +170,7 @@ class _Ways:
 
 
 def _pressing(hand: Hand) -> list[list[Any]]:
-    points: Sequence[ContactPoint] = getattr(hand, "contact_points", tuple)()
+    points = hand.contact_points() if isinstance(hand, TouchPoints) else ()
     found = [[link, other, np.round(at, 4).tolist(), np.round(force, 1).tolist()] for link, other, at, force in points]
     return [each for each in found if any(each[3])]
 

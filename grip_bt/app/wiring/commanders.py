@@ -24,9 +24,8 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import joints_of_fingers, limits_of_joints, links_of_groups
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.joined import JoinedExecutor
-from grip_bt.commanders.kinematics.fingertips import fingertip_posture
+from grip_bt.commanders.kinematics.fingertips import fingertip_posture, spans_of
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.commanders.kinematics.spans import spans_of
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,

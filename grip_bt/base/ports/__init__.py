@@ -12,10 +12,12 @@ from .context import Stepped as Stepped
 from .hands import Hand as Hand
 from .hands import HandPort as HandPort
 from .hands import Touch as Touch
+from .hands import TouchPoints as TouchPoints
 from .motion import FREEDOMS as FREEDOMS
 from .motion import Arm as Arm
 from .motion import Executor as Executor
 from .motion import Steerable as Steerable
+from .motion import Ways as Ways
 from .world import Camera as Camera
 from .world import Component as Component
 from .world import Messages as Messages

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState
-from grip_bt.base.values.joints import Closing, Span
+from grip_bt.base.values.joints import Closing, ContactPoint, Span
 
 
 @runtime_checkable
@@ -54,6 +54,14 @@ class Touch(Protocol):
         Raises:
             SensorError: nobody measures that.
         """
+
+
+@runtime_checkable
+class TouchPoints(Protocol):
+    """A hand that knows where it is touched."""
+
+    def contact_points(self) -> Sequence[ContactPoint]:
+        """Return where something presses on its links now, and how hard."""
 
 
 @runtime_checkable

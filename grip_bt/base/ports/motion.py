@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal, Protocol, get_args, runtime_checkable
+from typing import Literal, NamedTuple, Protocol, get_args, runtime_checkable
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.operation import Operation
@@ -62,6 +62,17 @@ class Steerable(Protocol):
         """
 
 
+class Ways(NamedTuple):
+    """What an arm does and is about to do, for drawing it."""
+
+    follows: Trajectory | None = None
+    """The motion that it was told to follow last."""
+    moving: bool = False
+    """Whether it follows that still."""
+    planned: tuple[Trajectory, ...] = ()
+    """Motions that were planned and not begun, of each series of plans the next one first."""
+
+
 @runtime_checkable
 class Arm(Protocol):
     """What leaves ask of an arm. Plans avoid the scene; straight motions are checked against it too."""
@@ -69,6 +80,10 @@ class Arm(Protocol):
     @property
     def name(self) -> str:
         """The arm's name in the project."""
+
+    @property
+    def ways(self) -> Ways:
+        """What it follows and has planned."""
 
     def state(self) -> JointState:
         """Return the measured state of the arm's joints."""

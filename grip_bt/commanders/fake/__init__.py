@@ -1,8 +1,7 @@
 """Fakes of every port: at once and deterministic, for tests and `grip run --robot fake`."""
 
 from .gantry import FakeArm
-from .hand import FakeHand
-from .joints import FakeExecutor
+from .joints import FakeExecutor, FakeHand
 from .sources import FakeCamera, FakeComponent, FakeRos, FakeSensor
 
 __all__ = [

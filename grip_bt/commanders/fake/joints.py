@@ -1,10 +1,12 @@
-"""Joints that are where trajectories lead as soon as they are told to."""
+"""Fake joints, which are where trajectories lead as soon as they are told to, and a hand of such joints."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 
-from grip_bt.base.arrays import Array
+from grip_bt.base.arrays import Array, Mask
 from grip_bt.base.failures import ExecutionAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
@@ -71,3 +73,94 @@ class FakeExecutor:
             ValueError: it has another number of joints.
         """
         self._position = same_joints(position, self._names)
+
+
+class FakeHand:
+    """Implements `ports.HandPort` and `ports.Touch`.
+
+    Args:
+        start: where the fingers are at first.
+        thing: what is between the fingers: joint positions that they don't get past when closing, or None.
+        forces: link -> force [N] while the fingers press on the thing.
+        closed: where the joints are when the hand is closed, `start` being where it is open; when None, larger is more
+            closed.
+        executor: makes what moves the joints, of where they are at first.
+
+    Attributes:
+        slipping: how fast the thing slides along the links that touch it [m/s].
+    """
+
+    def __init__(
+        self,
+        start: JointState,
+        thing: JointState | None = None,
+        forces: Mapping[str, float] | None = None,
+        closed: JointState | None = None,
+        executor: Callable[[JointState], FakeExecutor] = FakeExecutor,
+    ):
+        closing = np.ones(len(start.names)) if closed is None else closed.ordered(start.names) - start.position
+        self._flexes, self._extends = closing > 0, closing < 0
+        self._names = start.names
+        self._joints = executor(start)
+        self._forces = dict(forces or {"fingertip": 5.0})
+        self.torque_limits: list[float | None] = []
+        self.forces: list[float | None] = []
+        self.thing = thing
+        self.slipping = 0.0
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        return self._names
+
+    def state(self) -> JointState:
+        now, effort = self._joints.state(), 0.5 * self._pressing().astype(float)
+        return JointState(self._names, self._blocked(now.position), np.zeros(len(effort)), effort, now.time)
+
+    def move(
+        self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
+    ) -> Operation[JointState]:
+        start, goal = self._blocked(self.kept()), posture.ordered(self._names)
+        self._joints.put_back(start)
+        self.torque_limits.append(torque_limit)
+        self.forces.append(force)
+        if duration <= 0:
+            self._joints.put_back(goal)
+        times, rows = (np.array([0.0, duration]), [start, goal]) if duration > 0 else (np.zeros(1), [goal])
+        # The goal is kept even where the thing is in the way: that is what presses.
+        moved = self._joints.execute(Trajectory(self._names, times, np.stack(rows)))
+        return moved.then(lambda _: Operation.finished(self.state()))
+
+    def contacts(self) -> Mapping[str, float]:
+        if not self._pressing().any():
+            return {}
+        asked = self.forces[-1] if self.forces else None
+        return dict(self._forces if asked is None else dict.fromkeys(self._forces, asked))
+
+    def slips(self) -> Mapping[str, float]:
+        return dict.fromkeys(self.contacts(), self.slipping) if self.slipping else {}
+
+    def stop(self) -> None:
+        self._joints.stop()
+
+    def kept(self) -> Array:
+        """Return where its fingers are or, where a thing is in the way, would be [rad], shape (n,)."""
+        return self._joints.state().position
+
+    def put_back(self, position: Array) -> None:
+        """Have the fingers where they were, as `kept` returned it; nothing may be under way.
+
+        Raises:
+            ValueError: it has another number of joints.
+        """
+        self._joints.put_back(position)
+
+    def _blocked(self, position: Array) -> Array:
+        if self.thing is None:
+            return position
+        wall = self.thing.ordered(self._names)
+        past = (self._flexes & (position > wall)) | (self._extends & (position < wall))
+        return np.where(past, wall, position)
+
+    def _pressing(self) -> Mask:
+        free = self.kept()
+        return np.abs(self._blocked(free) - free) > 1e-6

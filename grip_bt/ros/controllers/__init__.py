@@ -2,11 +2,10 @@
 
 from grip_bt.ros.controllers.trajectory import ControllerManager
 
-from .hands import ControlledHand, GripperHand
+from .hands import ControlledHand, GripperHand, TopicTouch, TopicWrench
 from .joint_states import JointStates
 from .motion import RosExecutor
 from .streaming import StreamedExecutor, TopicExecutor
-from .touch import TopicTouch, TopicWrench
 from .trajectory import TrajectoryExecutor
 
 __all__ = [
