@@ -11,7 +11,6 @@ if sys.argv[:1] == ["-m"] and not sys.flags.safe_path and {"grip_bt.cli", "grip_
 
 from functools import partial
 from importlib import import_module
-from typing import Any
 
 __version__ = "0.1.0"
 
@@ -61,7 +60,7 @@ _HOME = {
 __all__ = [*_HOME]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     if name[:1] != "_" and name in import_module("grip_bt.task.kinds").KINDS:  # `grip.sequence(...)`

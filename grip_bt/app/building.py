@@ -72,7 +72,7 @@ def project_of(task: Task) -> Project:
     return find_project(task.file or Path.cwd())
 
 
-def variable(name: str, type: Any, value: Any = _NOTHING, doc: str = "") -> NamedVariable:
+def variable(name: str, type: object, value: object = _NOTHING, doc: str = "") -> NamedVariable:
     """Return a variable, which a task declares where its nodes use it.
 
     Args:

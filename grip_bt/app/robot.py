@@ -31,7 +31,7 @@ class Done(Mapping[str, Any]):
     outcome: str
     outputs: Mapping[str, Any]
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> object:
         if name not in self.outputs:
             raise UnknownNameError("output", name, self.outputs, self.node)
         return self.outputs[name]
@@ -108,7 +108,7 @@ class Robot:
         """Return what arms avoid."""
         return self._context.scene()
 
-    def do(self, node: str, /, **ports: Any) -> Done:
+    def do(self, node: str, /, **ports: object) -> Done:
         """Run a node of the catalogue to its end, see docs/nodes.md; whatever interrupts this stops it first.
 
         Args:

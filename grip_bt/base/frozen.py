@@ -24,7 +24,7 @@ class FrozenDict(dict[K, V]):
     def __reduce__(self) -> Any:
         return (type(self), (dict(self),))
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> FrozenDict[K, V]:
+    def __deepcopy__(self, memo: dict[int, object]) -> FrozenDict[K, V]:
         # pydantic copies an unhashable default for every model; an empty one that can't change serves them all
         return FrozenDict({k: deepcopy(v, memo) for k, v in self.items()}) if self else self
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from .errors import InvalidTaskError
 
@@ -44,7 +44,7 @@ class Issue:
         fix = f" Fix: {self.fix}." if self.fix else ""
         return f"{lead}{self.severity}[{self.code}] {self.path or 'task'}: {self.message}{end}{fix}"
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """Return the issue as plain data, for JSON."""
         return asdict(self)
 

@@ -24,13 +24,13 @@ def run_steps(steps: Steps[T]) -> Operation[T]:
 
     Cancelling it cancels the call under way, and no other is begun.
     """
-    under_way: Operation[Any] | None = None
+    under_way: Operation[object] | None = None
 
     def cancel() -> None:
         if under_way is not None:
             under_way.cancel()
 
-    def advance(step: Callable[[], Operation[Any]]) -> None:
+    def advance(step: Callable[[], Operation[object]]) -> None:
         nonlocal under_way
         while True:  # calls that end at once don't deepen the stack, so their number doesn't matter
             try:
@@ -49,7 +49,7 @@ def run_steps(steps: Steps[T]) -> Operation[T]:
                 inner.add_done_callback(partial(advance, step))
                 return
 
-    def following(inner: Operation[Any]) -> Operation[Any]:
+    def following(inner: Operation[object]) -> Operation[object]:
         try:
             result = inner.result()
         except BaseException as error:  # noqa: BLE001 - the function decides

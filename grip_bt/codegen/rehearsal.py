@@ -56,7 +56,7 @@ class _Scripted:
 
 
 def rehearse(
-    package: Path, reply: Mapping[str, object], inputs: Mapping[str, Any] | None = None, feedback: object = None
+    package: Path, reply: Mapping[str, object], inputs: Mapping[str, object] | None = None, feedback: object = None
 ) -> Ending:
     """Tick the node of a package until it ends.
 
@@ -68,7 +68,7 @@ def rehearse(
     """
     (manifest,) = read_manifests(package / "manifest.yaml")
     given = {port: object() for port in manifest.inputs} if inputs is None else inputs
-    written: dict[str, Any] = {}
+    written: dict[str, object] = {}
     scripted = _Scripted(reply, feedback)
     leaf = load_implementation(manifest)(manifest.id, manifest.id, manifest, {}, {})
     leaf.readers = {port: (lambda value=value: value) for port, value in given.items()}

@@ -156,7 +156,7 @@ _DEFAULTS: dict[str, Any] = {
 }
 
 
-def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[str, Any]:
+def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[str, object]:
     """Return the outputs of an empty answer, those that are numbers, texts, truth values or lists."""
     fields = received(component, interface)
     ports = output_ports(component, interface)
@@ -167,7 +167,7 @@ def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[st
     }
 
 
-def default_case(component: ComponentFile, interface: InterfaceSpec) -> tuple[dict[str, Any], str | None] | None:
+def default_case(component: ComponentFile, interface: InterfaceSpec) -> tuple[dict[str, object], str | None] | None:
     """Return an empty answer and the outcome that the rules give it, None for none of them.
 
     Returns:

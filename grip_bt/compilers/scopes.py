@@ -22,7 +22,7 @@ UNSET = _Unset()
 """The value of a variable that hasn't been written."""
 
 
-def written(type_: Type, literal: Any) -> Any:
+def written(type_: Type, literal: object) -> object:
     """Return the value that a literal of a task file stands for: itself, or a pose."""
     if type_.name == "Pose" and isinstance(literal, Mapping):
         return Pose(**literal)
@@ -113,7 +113,7 @@ class Scopes:
             if cell.value is not UNSET
         }
 
-    def reader(self, path: str, port: str, cell: Cell) -> Callable[[], Any]:
+    def reader(self, path: str, port: str, cell: Cell) -> Callable[[], object]:
         def read() -> Any:
             value = cell.value
             if value is UNSET:
@@ -122,7 +122,7 @@ class Scopes:
 
         return read
 
-    def writer(self, path: str, port: str, cell: Cell) -> Callable[[Any], None]:
+    def writer(self, path: str, port: str, cell: Cell) -> Callable[[object], None]:
         """Return what the port of the node at `path` writes with; a value of a wrong type is refused."""
         of_class_alone = cell.parsed.item is None
         fitting: type | None = None

@@ -112,7 +112,7 @@ class Decide(TaskState):
     def begin(self, *_: object) -> None:
         self.state, self._at, self._before = self.first, "", ""
 
-    def moved(self, userdata: Any, active: list[str], *_: Any) -> None:
+    def moved(self, userdata: object, active: list[str], *_: object) -> None:
         self._before, self._at = self._at, active[0]
 
     def execute(self, userdata: Any) -> str:

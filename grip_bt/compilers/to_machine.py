@@ -196,7 +196,7 @@ def to_machine(
     *,
     leaf_factory: LeafFactory | None = None,
     behaviour_factory: BehaviourFactory | None = None,
-    data: Mapping[str, Any] | None = None,
+    data: Mapping[str, object] | None = None,
     embed: bool = True,
 ) -> CompiledMachine:
     """Compile a task to a machine of smach_compat; exact, or refused.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, cast
+from typing import cast
 
 from grip_bt.compilers.behaviour_state import Pacer, TaskEnd, drive
 from grip_bt.compilers.binding import (
@@ -102,7 +102,7 @@ class CompiledTree:
         for node in self.by_path.values():
             node.observer = observer
 
-    def prepare(self, context: Any) -> None:
+    def prepare(self, context: object) -> None:
         """Give the run's context to every node and prepare every leaf, once, before the first tick.
 
         Raises:
@@ -139,7 +139,7 @@ def to_tree(
     *,
     leaf_factory: LeafFactory | None = None,
     behaviour_factory: BehaviourFactory | None = None,
-    data: Mapping[str, Any] | None = None,
+    data: Mapping[str, object] | None = None,
 ) -> CompiledTree:
     """Compile a task to a py_trees behaviour tree; always exact.
 

@@ -182,5 +182,5 @@ class MoveThrough(_ThroughLeaf):
         return self.end(reached=reached, radii=list(plan.radii))
 
 
-def _mismatch(radii: list[float], goals: list[Any]) -> str:
+def _mismatch(radii: list[float], goals: list[object]) -> str:
     return f"{len(goals)} way points have {len(goals) - 1} inner ones, and there are {len(radii)} radii"

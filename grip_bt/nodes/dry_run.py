@@ -245,7 +245,7 @@ def dry_run(tell: Callable[[str], object], made: Made | None = None) -> Iterator
     installed, finder = "smach" in sys.modules, _TellingFinder(lambda what: named(what))
     finder.made |= made or {}
 
-    def added(composite: Composite, child: Any) -> Any:
+    def added(composite: Composite, child: object) -> object:
         return add_child(composite, _behaviour(child))
 
     def named(what: str) -> None:
@@ -298,7 +298,7 @@ def _behaviour(given: Any) -> Any:
     return StoodIn(given._stand_in_called or name_of(given)) if stands_in(given) else given
 
 
-def _of_rospy(name: str) -> Any:
+def _of_rospy(name: str) -> object:
     """Stand in for what our rospy hasn't."""
     if name.startswith("__"):
         raise AttributeError(name)
@@ -312,7 +312,7 @@ class RosTree(BehaviourTree):
         super().__init__(_behaviour(root))
         self.node = stand_in("node")
 
-    def setup(self, *given: Any, **named: Any) -> None:
+    def setup(self, *given: object, **named: object) -> None:
         """Set up with a node that stands in."""
         super().setup(node=self.node)
 
@@ -361,7 +361,7 @@ def dry_run_of_tree(tell: Callable[[str], object], file: Path | None) -> Iterato
             yield
 
 
-def _of_known_type(original: Callable[..., Any], told: Callable[..., str], always: bool) -> Callable[..., Any]:
+def _of_known_type(original: Callable[..., object], told: Callable[..., str], always: bool) -> Callable[..., object]:
     """Return what makes an end of ROS, but stands in for one whose type isn't known, or `always`."""
 
     def made(*given: Any, **named: Any) -> Any:
@@ -377,7 +377,7 @@ def _action(original: type, told: Callable[..., str]) -> Any:
     return made
 
 
-def _told(tell: Callable[[str], object], what: str, *given: Any, **named: Any) -> str:
+def _told(tell: Callable[[str], object], what: str, *given: object, **named: object) -> str:
     called = next((each for each in (*given, *named.values()) if isinstance(each, str)), "?")
     tell(f"{what} {called}")
     return called

@@ -31,7 +31,7 @@ class _Port(Generic[T]):
     def __get__(self, leaf: None, owner: type) -> _Port[T]: ...
     @overload
     def __get__(self, leaf: Leaf, owner: type) -> T: ...
-    def __get__(self, leaf: Leaf | None, owner: type) -> Any:
+    def __get__(self, leaf: Leaf | None, owner: type) -> object:
         return self if leaf is None else self.of(leaf)
 
     def __set__(self, leaf: Leaf, value: T) -> None:
@@ -70,7 +70,7 @@ _OWN = frozenset(
     + ("outcome", "failure", "qualified_name", "blackbox_level")
 )
 """Attributes that leaves get when they are made."""
-_KINDS: dict[str, type[_Port[Any]]] = {"Input": Input, "Output": Output, "Param": Param}
+_KINDS: dict[str, type[_Port[object]]] = {"Input": Input, "Output": Output, "Param": Param}
 
 
 def _with_ports(cls: type) -> type[Leaf]:

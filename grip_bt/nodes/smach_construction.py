@@ -80,7 +80,7 @@ class Construction:
             return code()
         return self.caught
 
-    def built_at(self, file: str, line: int) -> list[Any]:
+    def built_at(self, file: str, line: int) -> list[object]:
         """Return the containers that were made at a place."""
         there = (file, line)
         return [m for m in self.made if isinstance(m, Container) and self.places[id(m)] == there]
@@ -92,8 +92,8 @@ class Construction:
         named = {key: unwrapped(value) for key, value in named.items()}
         return unwrapped(label), state, tuple(map(unwrapped, rest)), named
 
-    def _adding(self, add: Callable[..., Any]) -> Callable[..., Any]:
-        def adding(label: Any, state: Any, *rest: Any, **named: Any) -> Any:
+    def _adding(self, add: Callable[..., object]) -> Callable[..., object]:
+        def adding(label: object, state: object, *rest: object, **named: object) -> object:
             if threading.get_ident() != self._thread:
                 return add(label, state, *rest, **named)
             label, wanted, rest, named = self.given(label, state, *rest, **named)
@@ -104,8 +104,8 @@ class Construction:
 
         return adding
 
-    def _catching(self, execute: Callable[..., Any]) -> Callable[..., Any]:
-        def executing(container: Any, *arguments: Any, **named: Any) -> Any:
+    def _catching(self, execute: Callable[..., object]) -> Callable[..., object]:
+        def executing(container: object, *arguments: object, **named: object) -> object:
             if threading.get_ident() != self._thread:
                 return execute(container, *arguments, **named)
             self.caught = self.caught or container
@@ -148,7 +148,7 @@ def run_as_main(path: Path) -> Callable[[], None]:
     return run
 
 
-def built_in(path: Path, line: int, code: Callable[[], Any], number: int = 0) -> Any:
+def built_in(path: Path, line: int, code: Callable[[], object], number: int = 0) -> object:
     """Return the `number`th container that code builds at a line of a file; a machine that it would execute ends it.
 
     Line 0 stands for the machine that it would execute, wherever that is made.

@@ -133,7 +133,7 @@ def find_tree(place: Place, node: Callable[[], object] | None = None) -> FoundTr
     return watched.found(tree)
 
 
-def _functions(owner: Any) -> list[str]:
+def _functions(owner: object) -> list[str]:
     mine = {name: each for name, each in vars(owner).items() if inspect.isfunction(each) and name[0] != "_"}
     module = owner.__name__ if inspect.ismodule(owner) else owner.__module__
     return [name for name, each in mine.items() if each.__module__ == module]
@@ -204,7 +204,9 @@ def _parameters(function: Any) -> Mapping[str, inspect.Parameter]:
         return {}
 
 
-def _arguments(function: Any, place: Place, node: Callable[[], object] | None, given: dict[str, Any]) -> dict[str, Any]:
+def _arguments(
+    function: object, place: Place, node: Callable[[], object] | None, given: dict[str, object]
+) -> dict[str, object]:
     """Return what a function is called with: what is given, a ROS node, and what stands in, where that is wanted."""
     for name, parameter in _parameters(function).items():
         many = parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
@@ -266,7 +268,7 @@ def _watching(watched: _Watched) -> Iterator[None]:
         make(self, root)
         watched.made.append(self)
 
-    def set_up(self: BehaviourTree, *args: Any, **kwargs: Any) -> None:
+    def set_up(self: BehaviourTree, *args: object, **kwargs: object) -> None:
         take_older_setups(self.root)
         setup(self, *args, **kwargs)
         watched.ready.append(self)
@@ -277,7 +279,7 @@ def _watching(watched: _Watched) -> Iterator[None]:
         _keep_ros()
         watched.leave(self)
 
-    def tick_tock(self: BehaviourTree, period_ms: float, *args: Any, **kwargs: Any) -> None:
+    def tick_tock(self: BehaviourTree, period_ms: float, *args: object, **kwargs: object) -> None:
         given = inspect.signature(original).bind(self, period_ms, *args, **kwargs).arguments
         watched.period = float(period_ms) / 1000
         tick(self, given.get("pre_tick_handler"), given.get("post_tick_handler"))
@@ -315,10 +317,10 @@ def is_of_ros(root: Behaviour) -> bool:
 
 def _keep_ros() -> None:
     """Have ROS stay as it is when somebody's program is left: what it does in the end isn't meant yet."""
-    rclpy: Any = sys.modules.get("rclpy")
+    rclpy: object = sys.modules.get("rclpy")
     for name in ("shutdown", "try_shutdown") if rclpy is not None else ():
         _once_nothing(rclpy, name, getattr(rclpy, name))
 
 
-def _once_nothing(owner: Any, name: str, original: Any) -> None:
+def _once_nothing(owner: object, name: str, original: object) -> None:
     setattr(owner, name, lambda *_, **__: setattr(owner, name, original))

@@ -11,7 +11,6 @@ import bisect
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from operator import itemgetter
-from typing import Any
 
 import numpy as np
 
@@ -97,7 +96,7 @@ def mounted_frames(sensors: Mapping[str, SensorConfig | CameraTopics]) -> tuple[
     return poses, broken
 
 
-def transformed(value: object, pose: Pose) -> Any:
+def transformed(value: object, pose: Pose) -> object:
     """Return a value that was given in a frame, as seen in the frame in which that frame has the pose `pose`.
 
     Raises:

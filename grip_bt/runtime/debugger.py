@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import Failure
@@ -35,7 +35,7 @@ class Breakpoint:
     holds: Callable[[], bool] | None = None
     once: bool = False
 
-    def facts(self) -> dict[str, Any]:
+    def facts(self) -> dict[str, object]:
         outcome = self.outcome if self.code is None else f"{self.outcome}.{self.code}"
         return {"id": self.id, "node": self.node, "when": self.when, "outcome": outcome, "if": self.condition or None}
 

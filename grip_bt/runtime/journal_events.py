@@ -63,7 +63,7 @@ def checksum(first: int, last: int, content: object, data: object) -> int:
 
 def unpacked(
     row: tuple[Any, ...], names: Mapping[int, Name], part: slice
-) -> list[tuple[int, float, float, Name, dict[str, Any]]]:
+) -> list[tuple[int, float, float, Name, dict[str, object]]]:
     """Return what a block says of `part` of its events: index, time, wall time, what it is of, data.
 
     The row is first, last, content, data, and the checksum.

@@ -15,7 +15,7 @@ from typing import Any
 from grip_bt.base.errors import GripError
 
 
-def process_facts() -> dict[str, Any]:
+def process_facts() -> dict[str, object]:
     """Return who this process is, for whoever wants to know later whether it lives."""
     return {"pid": os.getpid(), "since": _begun(os.getpid()), "host": socket.gethostname()}
 

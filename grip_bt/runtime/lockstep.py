@@ -184,7 +184,7 @@ class Lockstep:
             self._pending.append(pending)
         return pending
 
-    def _hand_in(self, pending: _Pending, whole: Operation[Any], finish: Callable[[], None]) -> None:
+    def _hand_in(self, pending: _Pending, whole: Operation[object], finish: Callable[[], None]) -> None:
         with self._changed:
             if self._on and pending in self._pending:
                 pending.whole, pending.finish = whole, finish
@@ -193,7 +193,7 @@ class Lockstep:
         finish()
 
     @contextmanager
-    def _while_waiting(self, pending: _Pending, operation: Operation[Any]) -> Iterator[None]:
+    def _while_waiting(self, pending: _Pending, operation: Operation[object]) -> Iterator[None]:
         with self._changed:
             pending.waits.append(operation)
             self._changed.notify_all()
@@ -260,7 +260,7 @@ class Lockstep:
                 self._changed.notify_all()
 
     @contextmanager
-    def _until_done(self, operation: Operation[Any]) -> Iterator[None]:
+    def _until_done(self, operation: Operation[object]) -> Iterator[None]:
         """Go on until an operation has ended for which a thread of the run waits, blocking."""
         me = threading.get_ident()
         if self._on and me in self._threads and me != self._driver:  # a callback that waits has others wait

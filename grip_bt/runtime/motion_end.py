@@ -87,7 +87,7 @@ class Motions:
         return all_ended
 
 
-def _matters(one: tuple[str, Operation[Any]]) -> bool:
+def _matters(one: tuple[str, Operation[object]]) -> bool:
     _, work = one
     return not work.done() or work.busy or bool(work.given_up)
 

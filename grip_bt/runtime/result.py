@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree
@@ -69,7 +69,7 @@ def _html(rows: Iterable[Sequence[object]], *head: str) -> str:
     return f"<table><tr>{'</tr><tr>'.join(lines)}</tr></table>"
 
 
-def own_labels(compiled: CompiledTree | CompiledMachine) -> dict[str, Any]:
+def own_labels(compiled: CompiledTree | CompiledMachine) -> dict[str, object]:
     """Return what outcomes mean that don't say so themselves: whoever reads the journal has no other way to know."""
     found = {
         path: own

@@ -66,7 +66,7 @@ class Tree(_Opened, BehaviourTree):
     def _repr_svg_(self) -> str:
         return self._drawn({path: node.status.value.lower() for path, node in self._compiled.by_path.items()})
 
-    def setup(self, *_: Any, **__: Any) -> None:
+    def setup(self, *_: object, **__: object) -> None:
         """Do nothing: it was set up when it was made."""
 
     def shutdown(self) -> None:

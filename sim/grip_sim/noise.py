@@ -15,7 +15,7 @@ The figures are of these papers' order; a sensor of one's own is measured, and i
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,7 +136,7 @@ PRESETS = {
 }  # fmt: skip
 
 
-def _named(said: Any) -> Any:
+def _named(said: object) -> object:
     if isinstance(said, str):
         if said not in PRESETS:
             raise ValueError(f"there is no sensor {said!r}; there are {', '.join(PRESETS)}, or give its fields")

@@ -51,7 +51,7 @@ def run_on(
         content, name = _packed(campaign)
         digest, threads = hashlib.sha256(content).hexdigest()[:16], os.environ.get("OMP_NUM_THREADS")
         given = ray.put(content), digest, name, threads, trials.view
-        under_way: dict[Any, tuple[str, int]] = {}
+        under_way: dict[object, tuple[str, int]] = {}
         while True:
             room = workers or max(1, int(ray.cluster_resources().get("CPU", 0)))
             while len(under_way) < room and (trial := trials.next()) is not None:

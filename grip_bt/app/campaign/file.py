@@ -99,7 +99,7 @@ class CampaignFile(Settings):
 
     @field_validator("seeds", mode="wrap")
     @classmethod
-    def _told_as_one(cls, value: object, check: Callable[[Any], Any]) -> Any:
+    def _told_as_one(cls, value: object, check: Callable[[object], object]) -> object:
         try:
             return check(value)
         except ValidationError:  # it would say of each form why it isn't that
@@ -220,7 +220,7 @@ def _crossed(campaign: Campaign) -> Iterator[tuple[str, tuple[Mapping[str, str],
         yield name, (levels, Variant(**merged))
 
 
-def head_of(campaign: Campaign) -> dict[str, Any]:
+def head_of(campaign: Campaign) -> dict[str, object]:
     """Return what results begin with: all that makes each variant what it is, as JSON data."""
     said = campaign.file
     common = said.model_dump(mode="json", include={"robot", "success", "count", "measure", "timeout"})

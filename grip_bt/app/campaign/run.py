@@ -22,12 +22,12 @@ class CampaignResults:
     results: Results
 
     @property
-    def records(self) -> list[dict[str, Any]]:
+    def records(self) -> list[dict[str, object]]:
         """A flat record a trial, all with the same keys."""
         return records(self.results)
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """Rates with their intervals by variant and level, measures, comparisons; as `grip bench --json` has it."""
         return summary(self.results)
 

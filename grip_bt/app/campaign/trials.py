@@ -312,7 +312,7 @@ def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, s
     return {**row, "counts": counts, "measures": measures, "success": success, "unclear": unclear}
 
 
-def _looked_up(campaign: Campaign, started: Mapping[str, str] | None) -> tuple[dict[str, int], dict[str, Any]]:
+def _looked_up(campaign: Campaign, started: Mapping[str, str] | None) -> tuple[dict[str, int], dict[str, object]]:
     counts = dict.fromkeys(campaign.file.count, 0)
     if started is None:
         return counts, {}

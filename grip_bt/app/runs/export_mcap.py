@@ -31,15 +31,15 @@ _BYTES = {"type": "string", "contentEncoding": "base64"}
 _NUMBER, _STRING, _COUNT = {"type": "number"}, {"type": "string"}, {"type": "integer", "minimum": 0}
 
 
-def _object(**properties: object) -> dict[str, Any]:
+def _object(**properties: object) -> dict[str, object]:
     return {"type": "object", "properties": properties}
 
 
-def _stamped(**properties: object) -> dict[str, Any]:
+def _stamped(**properties: object) -> dict[str, object]:
     return _object(timestamp=_TIME, frame_id=_STRING, **properties)
 
 
-def _list_of(items: object) -> dict[str, Any]:
+def _list_of(items: object) -> dict[str, object]:
     return {"type": "array", "items": items}
 
 
@@ -55,7 +55,7 @@ COLUMNS = ("seq", "t", "wall", "path", "event", "outcome", "code", "data", "mean
 _TYPES: dict[str, dict[str, Any]] = {"seq": {"type": "integer"}, "t": _NUMBER, "wall": _NUMBER, "data": _object()}
 _TYPES |= dict.fromkeys(("path", "event"), _STRING)
 _TYPES |= dict.fromkeys(("outcome", "code", "meaning"), {"type": ["string", "null"]})
-SCHEMAS: dict[str, dict[str, Any]] = {
+SCHEMAS: dict[str, dict[str, object]] = {
     "grip.Event": _object(**{column: _TYPES[column] for column in COLUMNS}),
     "grip.Text": _object(data=_STRING),
     "grip.Value": _object(preview=_STRING, value={}),
@@ -99,12 +99,12 @@ def messages(value: Any, nanoseconds: int) -> dict[str, Message]:
     return {"": (f"foxglove.{kind}", {"timestamp": stamp(nanoseconds), "frame_id": frame, **fields})}
 
 
-def _pose_fields(pose: Pose) -> dict[str, Any]:
+def _pose_fields(pose: Pose) -> dict[str, object]:
     position = dict(zip("xyz", map(float, pose.position), strict=True))
     return {"position": position, "orientation": dict(zip("wxyz", map(float, pose.quaternion), strict=True))}
 
 
-def _cloud(cloud: PointCloud) -> dict[str, Any]:
+def _cloud(cloud: PointCloud) -> dict[str, object]:
     fields = [{"name": name, "offset": 4 * i, "type": _FLOAT32} for i, name in enumerate("xyz")]
     parts = [np.ascontiguousarray(cloud.points, "<f4").view(np.uint8).reshape(-1, 12)]
     if cloud.colors is not None:
@@ -186,7 +186,7 @@ def _add(channels: _Channels, reader: JournalReader, event: Event) -> None:
             found = messages(reader.value(event), nanoseconds)
         except GripError:
             found = {}
-        kept: dict[str, Any] = {key: event.data[key] for key in ("preview", "value") if key in event.data}
+        kept: dict[str, object] = {key: event.data[key] for key in ("preview", "value") if key in event.data}
         for suffix, (schema, message) in (found or {"": ("grip.Value", kept)}).items():
             channels.send(topic + suffix, schema, nanoseconds, message)
 
@@ -224,7 +224,7 @@ def _drawn(channels: _Channels, record: RunRecord, times: np.ndarray[Any, Any], 
             channels.send("/grip/scene", "foxglove.SceneUpdate", at, {"deletions": gone, "entities": new})
 
 
-def _transform(link: str, pose: Pose, at: int) -> dict[str, Any]:
+def _transform(link: str, pose: Pose, at: int) -> dict[str, object]:
     fields = _pose_fields(pose)
     place = {"translation": fields["position"], "rotation": fields["orientation"]}
     return {"timestamp": stamp(at), "parent_frame_id": "world", "child_frame_id": link, **place}

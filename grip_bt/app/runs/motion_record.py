@@ -184,7 +184,7 @@ def _changed(now: Any, before: Any) -> bool:
     return before is None or len(now) != len(before) or bool(np.abs(now - before).max(initial=0.0) > MOVED)
 
 
-def _object(item: SceneObject, bodies: Bodies) -> dict[str, Any]:
+def _object(item: SceneObject, bodies: Bodies) -> dict[str, object]:
     place = {"at": _place(item.pose, item.shape), "hand": item.hand, "fixed": item.fixed}
     match item.shape:
         case Box(size=size):

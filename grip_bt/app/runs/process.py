@@ -75,7 +75,7 @@ def _forget_modules(task: str) -> None:
             del sys.modules[name]
 
 
-def _execute(order: Mapping[str, Any], channels: dict[str, int], control: Control, equipment: Equipment) -> int:
+def _execute(order: Mapping[str, object], channels: dict[str, int], control: Control, equipment: Equipment) -> int:
     parent = os.getppid()
     try:
         signal.signal(signal.SIGUSR1, _interrupted)  # in here: a stop may be the very next command
@@ -89,7 +89,9 @@ def _execute(order: Mapping[str, Any], channels: dict[str, int], control: Contro
         return EARLY
 
 
-def _run_or_say_why(order: Mapping[str, Any], channels: dict[str, int], control: Control, equipment: Equipment) -> int:
+def _run_or_say_why(
+    order: Mapping[str, object], channels: dict[str, int], control: Control, equipment: Equipment
+) -> int:
     try:
         return _run(order, channels, control, equipment)
     except _StoppedEarlyError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 from grip_bt.app.project.folder import Project
 from grip_bt.app.runs.execute import RunOptions, Target
@@ -64,7 +64,7 @@ class _Nodes:
         self._journal, self._told = journal, told
         self._run, self._seq = "", 0
 
-    def hear(self, event: Mapping[str, Any]) -> None:
+    def hear(self, event: Mapping[str, object]) -> None:
         if event["event"] == "started":
             self._run = str(event["run"])
         if event["event"] in ("committed", "ended") and self._run:

@@ -181,7 +181,7 @@ class Supervisor:
         """The event `started`; None as long as nothing has begun."""
         return self._run
 
-    def send(self, command: Mapping[str, Any]) -> None:
+    def send(self, command: Mapping[str, object]) -> None:
         """Pass a command on; `stop` is seen to. From any thread."""
         if command.get("command") == "stop":
             self.stop()

@@ -61,7 +61,7 @@ def empty_table() -> RgbdFrame:
     )
 
 
-def value_of(type_: str | Type) -> Any:
+def value_of(type_: str | Type) -> object:
     """Return a value of a type: an empty one of the builtins, something small and sensible of GRIP's.
 
     Args:
@@ -99,7 +99,7 @@ def _trajectory() -> Trajectory:
     return Trajectory(("joint",), np.array([0.0, 1.0]), np.zeros((2, 1)))
 
 
-_VALUES: dict[str, Callable[[], Any]] = {
+_VALUES: dict[str, Callable[[], object]] = {
     "bool": bool,
     "int": int,
     "float": float,
@@ -240,7 +240,7 @@ def fake_ros(project: Project, sensors: Iterable[str]) -> tuple[FakeRos, dict[st
     return FakeRos(_heard, _frames(project)), {n: FakeSensor([_moment(project.file.sensors[n])]) for n in sensors}
 
 
-def _heard(type_: str) -> Any:
+def _heard(type_: str) -> object:
     return True if type_ == "bool" else value_of(type_)  # a signal says yes, as fakes do
 
 
@@ -269,7 +269,7 @@ class FakeMessages(LocalMessages):
         return Operation.finished(Entry(name, value, time.time(), "fake"))
 
 
-def _moment(sensor: SensorConfig) -> dict[str, Any] | ExpectedError:
+def _moment(sensor: SensorConfig) -> dict[str, object] | ExpectedError:
     try:
         return {port: value_of(topic.type) for port, topic in sensor.topics.items()}
     except ExpectedError as error:
@@ -289,7 +289,7 @@ def _frames(project: Project) -> Callable[[str, str], Pose]:
     return pose
 
 
-def _replies(manifest: Manifest, outcomes: int) -> list[dict[str, Any]]:
+def _replies(manifest: Manifest, outcomes: int) -> list[dict[str, object]]:
     """Return a reply with each outcome in turn; its fields are of the types that the node declares."""
     fields = {port: value_of(face.type) for port, face in manifest.outputs.items()}
     fields = {port: {} if value is None else value for port, value in fields.items()}

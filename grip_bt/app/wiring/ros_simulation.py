@@ -153,7 +153,7 @@ def _action(project: Project, name: str) -> tuple[str, str]:
     return "gripper", said.gripper
 
 
-def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any]:
+def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, object]:
     spec = _camera_of(simulation, project, name)
     pose = spec.info().pose
     place = {**({"on": spec.link} if spec.link else {}), "position": [round(float(v), 6) for v in pose.position]}

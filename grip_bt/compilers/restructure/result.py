@@ -5,7 +5,6 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.base.frozen import FrozenDict
@@ -105,7 +104,7 @@ def kept(part: Part, children: Mapping[str, Built]) -> Built:
     return Built(part.node.model_copy(update={key: nodes}), places)
 
 
-def common(node: Sequence | Fallback | StateMachine) -> dict[str, Any]:
+def common(node: Sequence | Fallback | StateMachine) -> dict[str, object]:
     """Return what stays as it is when a composite becomes a state machine, or the reverse."""
     return {key: getattr(node, key) for key in COMMON}
 

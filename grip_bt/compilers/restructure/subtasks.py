@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import PurePosixPath
-from typing import Any
 
 from grip_bt.base.errors import EditError, HandoverError, listing
 from grip_bt.base.frozen import FrozenDict
@@ -100,7 +99,7 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     if not command.approximate:
         written = {name for name in outputs if placed.around[name].bit & placed.writes}
         expect_nobody_can_tell(placed, set(inputs), written)
-    record: dict[str, Any] = {"kind": Subtask.kind_name(), "task": command.file}
+    record: dict[str, object] = {"kind": Subtask.kind_name(), "task": command.file}
     for key, bound in (("in", inputs), ("out", outputs)):
         record |= {key: {name: name for name in bound}} if bound else {}
     record |= {key: file_data(value) for key in _AROUND if (value := getattr(placed.node, key))}

@@ -249,7 +249,7 @@ class Run:
                 return made
 
 
-def _like(old: Any, new: Any) -> Any:
+def _like(old: object, new: object) -> object:
     """Return a value as what stood there before, as an entry keeps its type."""
     if isinstance(old, bool) and not isinstance(new, str):
         return bool(new)
@@ -284,7 +284,7 @@ def _computed(left: Any, sign: str, right: Any) -> Any:
     return int(made) if isinstance(left, int) and isinstance(right, int) and sign != "/" else made
 
 
-def _compared(left: Any, sign: str, right: Any) -> bool:
+def _compared(left: object, sign: str, right: object) -> bool:
     if not (isinstance(left, str) and isinstance(right, str)):
         left, right = _number(left), _number(right)
         if sign in ("==", "!="):

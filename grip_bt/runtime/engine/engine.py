@@ -209,7 +209,7 @@ def _watch(nodes: list[Any]) -> Callable[[], bool]:
         (attrgetter("kind"), [node for node in nodes if isinstance(node, KindNode)]),
         *((attrgetter(*(name for name in LIFE_CYCLE if hasattr(cls, name))), [cls]) for cls in set(map(type, nodes))),
     ]
-    was: list[list[Any]] = [[list(at) if isinstance(at, list) else at for at in map(get, of)] for get, of in looks]
+    was: list[list[object]] = [[list(at) if isinstance(at, list) else at for at in map(get, of)] for get, of in looks]
     attributes = [_attributes(node) for node in nodes]
     sizes = [*map(len, attributes)]
     owned = [LIFE_CYCLE & own.keys() for own in attributes]
@@ -228,7 +228,7 @@ def _watch(nodes: list[Any]) -> Callable[[], bool]:
 _unshared: dict[int, weakref.ref[Behaviour]] = {}
 
 
-def _attributes(node: Behaviour) -> dict[str, Any]:
+def _attributes(node: Behaviour) -> dict[str, object]:
     """Return the node's attributes, in a dictionary of their own.
 
     Asking for `__dict__` makes CPython 3.11 and 3.12 give up the instance's compact form for one that shares its keys
@@ -240,5 +240,5 @@ def _attributes(node: Behaviour) -> dict[str, Any]:
     if known is None or known() is not node:
         node.__dict__ = dict(vars(node))
         _unshared[key] = weakref.ref(node, lambda _: _unshared.pop(key, None))
-    attributes: dict[str, Any] = vars(node)
+    attributes: dict[str, object] = vars(node)
     return attributes

@@ -308,7 +308,7 @@ def every_kind(base: type[Kind] = Kind) -> list[type[Kind]]:
     return sorted(found, key=lambda made: (made.rank, made.__name__))
 
 
-def _tag(value: Any) -> str | None:
+def _tag(value: object) -> str | None:
     if isinstance(value, BaseModel):
         return getattr(value, "kind", "leaf")
     if isinstance(value, dict):
@@ -324,8 +324,8 @@ else:
         """The union of all nodes, made when a model is first used: then every kind is there."""
 
         @staticmethod
-        def __get_pydantic_core_schema__(source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-            nodes: Any = (
+        def __get_pydantic_core_schema__(source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+            nodes: object = (
                 Annotated[Leaf, Tag("leaf")],
                 *(Annotated[made, Tag(made.kind_name())] for made in every_kind()),
             )

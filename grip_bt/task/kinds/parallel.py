@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from math import prod
 from operator import and_
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -226,7 +226,7 @@ class Parallel(Composite):
         return [f"{rule.words()} ⇥ {rule.then}" for rule in self.rules]
 
 
-def _reason(q: Questions, outcome: str) -> Any:
+def _reason(q: Questions, outcome: str) -> object:
     """Return why it failed: the failure of the first child that accounts for the outcome."""
     there = [end for end in q.ends if end is not None]
     accounts = [e for e in there if q.exit(e) == outcome] or [e for e in there if e.meaning == "failure"]
