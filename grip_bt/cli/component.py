@@ -20,7 +20,7 @@ from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.base.failures import BadReplyError
 from grip_bt.base.types import check_value
 from grip_bt.cli.parser import add_actions, add_no_code
-from grip_bt.cli.terminal import Bar, tell
+from grip_bt.cli.terminal import Bar, progress, tell
 from grip_bt.codegen import component_manifest, outdated, render, write_package
 from grip_bt.codegen.scaffold import make_repository
 from grip_bt.ros.interfaces import build_interfaces, read_interface
@@ -66,6 +66,7 @@ def add_component(parser: argparse.ArgumentParser) -> None:
     listed.add_argument("project", type=Path, nargs="?", default=Path(), help="project folder (default: here)")
     listed.add_argument("--json", action="store_true", help="print one JSON list")
     test.add_argument("folder", type=Path, help="a component: a folder with component.yaml")
+    test.add_argument("--json", action="store_true", help="print one JSON object")
     add_no_code(test)
 
 
@@ -180,19 +181,25 @@ def _run_test(args: argparse.Namespace) -> int:
     refuse(of_component(folder))
     stale = check([args.folder])
     project = find_project(folder).folder
-    with start_components(project, [component.name], folder=folder.parent) as components:
-        built = components.build_seconds
-        print(f"interfaces: {f'built in {built:.1f} s' if built else 'in the cache'}")
-        print(f"server: {component.server} after {components.ready_seconds:.2f} s")
-        started = time.perf_counter()
+    begun = partial(progress, "interfaces")
+    with start_components(project, [component.name], folder=folder.parent, begun=begun) as components:
+        built, ready, started = components.build_seconds, components.ready_seconds, time.perf_counter()
         operation = components.client(component.name).call({})
         operation.wait(component.timeouts.call + component.timeouts.ready + 1)
-        reply = operation.result()
-        shown = label_of(component, reply)
-        for name, port in component_manifest(component, _interface(folder, component)).outputs.items():
-            if name in reply and (reason := check_value(port.type, reply[name])):
-                raise BadReplyError(f"the answer's port {name!r} {reason}; say its type under `ports:`", field=name)
-        print(f"empty request: {shown} after {(time.perf_counter() - started) * 1e3:.1f} ms")
+        reply, took = operation.result(), (time.perf_counter() - started) * 1e3
+    for name, port in component_manifest(component, _interface(folder, component)).outputs.items():
+        if name in reply and (reason := check_value(port.type, reply[name])):
+            raise BadReplyError(f"the answer's port {name!r} {reason}; say its type under `ports:`", field=name)
+    label = label_of(component, reply)
+    number = "" if component.rules else f" ({reply['outcome']})"
+    lines = (
+        f"interfaces: {f'built in {built:.1f} s' if built else 'in the cache'}",
+        f"server: {component.server} after {ready:.2f} s",
+        f"empty request: {f'{label!r}{number}' if label else 'no rule holds'} after {took:.1f} ms",
+    )
+    seconds = {"built": built, "ready": ready, "answered": took / 1e3}
+    facts = {"name": component.name, "server": component.server, "outcome": label, "seconds": seconds}
+    tell(args.json, facts | {"up_to_date": not stale}, lines)
     return stale
 
 

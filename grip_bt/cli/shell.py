@@ -8,7 +8,8 @@ import logging
 import os
 import sys
 import traceback
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from functools import partial
 from importlib import import_module
 
 from grip_bt import __version__
@@ -75,6 +76,7 @@ def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> ar
     more += " Exit status: 0 done, 1 wrong input, 2 usage, 3 a task failed, 4 error in a node or process, 130 stopped."
     parser = Parser(prog="grip", usage="grip [-h] [--version] VERB ...", description=about, epilog=more)
     parser.add_argument("--version", action="version", version=f"grip {__version__}")
+    _add_loudness(parser)
     subparsers = parser.add_subparsers(prog="grip", metavar="VERB", required=True, help=argparse.SUPPRESS)
     named = next((word for word in words if not word.startswith("-")), None)
     for verb, doc in VERBS.items():
@@ -83,14 +85,29 @@ def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> ar
             module = import_module(f"grip_bt.cli.{_MODULES.get(verb, verb)}")
             options.set_defaults(usage_error=options.error, run=getattr(module, f"run_{verb}", None))
             getattr(module, f"add_{verb}")(options)
-            options.add_argument("-q", "--quiet", action="store_true", help="print results and errors only")
-            loud = "also print what is logged, and where an error was raised"
-            options.add_argument("-v", "--verbose", action="store_true", help=loud)
+            for each in (options, *_below(options).values()):
+                _add_loudness(each)
     listed = {line.dest: line for line in subparsers._choices_actions}
     for title, verbs in GROUPS.items():
         parser.add_argument_group(title)._group_actions = [listed[verb] for verb in verbs if verb in listed]
     subparsers._choices_actions = []
     return parser
+
+
+def _below(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """Return the parsers of a verb's actions, such as `add` of `component`."""
+    return {
+        name: each
+        for action in parser._actions
+        if isinstance(action, argparse._SubParsersAction)
+        for name, each in action.choices.items()
+    }
+
+
+def _add_loudness(parser: argparse.ArgumentParser) -> None:
+    add, unless = partial(parser.add_argument, action="store_true"), argparse.SUPPRESS
+    add("-q", "--quiet", default=unless, help="print results and errors only")
+    add("-v", "--verbose", default=unless, help="also print what is logged, and where an error was raised")
 
 
 def add_help(parser: argparse.ArgumentParser) -> None:
@@ -163,51 +180,73 @@ def _refused_by_the_system(error: OSError) -> int:
     return complain(f"{name}: {error.strerror}; name another place, or change its permissions")
 
 
-_BASH = """_grip() {{
-    local word=${{COMP_WORDS[COMP_CWORD]}} verb=
-    [ "$COMP_CWORD" -gt 1 ] && verb=${{COMP_WORDS[1]}}
-    case $verb in
-        "") COMPREPLY=($(compgen -W "{verbs}" -- "$word")) ;;
+_BASH = """_grip_words() {{
+    case $1 in
 {cases}
     esac
+}}
+_grip() {{
+    local word=${{COMP_WORDS[COMP_CWORD]}} verb= action= before= found= at
+    [ "$COMP_CWORD" -gt 1 ] && verb=${{COMP_WORDS[1]}} before=${{COMP_WORDS[COMP_CWORD-1]}}
+    [ "$COMP_CWORD" -gt 2 ] && action=${{COMP_WORDS[2]}}
+    for at in "$verb $before" "$verb $action" "$verb"; do
+        found=$(_grip_words "$at")
+        [ -n "$found" ] && break
+    done
+    COMPREPLY=($(compgen -W "$found" -- "$word"))
 }}
 complete -o default -F _grip grip
 """
 _ZSH = "autoload -U +X bashcompinit && bashcompinit\n" + _BASH
+Words = dict[str, str]
+"""What may be typed -> what it means."""
 
 
 def add_completion(parser: argparse.ArgumentParser) -> None:
-    source = "source what it prints: source <(grip completion bash)"
-    parser.add_argument("shell", choices=("bash", "zsh", "fish"), help=source)
+    kept = "keep what it prints where the shell looks for it, see `grip docs installing`, or source it"
+    parser.add_argument("shell", choices=("bash", "zsh", "fish"), help=kept)
 
 
 def run_completion(args: argparse.Namespace) -> None:
-    words = {verb: _words(verb) for verb in VERBS}
+    places = {"": VERBS}
+    for verb in VERBS:
+        places |= _places(verb)
     if args.shell == "fish":
-        print("\n".join(_fish(words)))
+        print("\n".join(line for place, words in places.items() for line in _fish(place, words)))
         return
-    said = {verb: " ".join(options) for verb, options in words.items() if options}
-    cases = "\n".join(f'        {v}) COMPREPLY=($(compgen -W "{w}" -- "$word")) ;;' for v, w in said.items())
-    print((_ZSH if args.shell == "zsh" else _BASH).format(verbs=" ".join(VERBS), cases=cases), end="")
+    cases = "\n".join(f'        "{at}") echo "{" ".join(words)}" ;;' for at, words in places.items() if words)
+    print((_ZSH if args.shell == "zsh" else _BASH).format(cases=cases), end="")
 
 
-def _words(verb: str) -> list[str]:
-    """Return a verb's options, and the verbs below it."""
+def _places(verb: str) -> dict[str, Words]:
+    """Return what may follow a verb, each of its actions, and each option that takes one of several words."""
     (subparsers,) = (a for a in make_parser([verb])._actions if isinstance(a, argparse._SubParsersAction))
-    found: list[str] = []
-    for action in subparsers.choices[verb]._actions:
-        found += [option for option in action.option_strings if option.startswith("--")]
-        found += list(action.choices) if isinstance(action, argparse._SubParsersAction) else []
-    return sorted(found)
+    own, found = subparsers.choices[verb], dict[str, Words]()
+    parsers = {verb: own, **{f"{verb} {name}": parser for name, parser in _below(own).items()}}
+    for place, parser in parsers.items():
+        found[place], expand = {}, parser._get_formatter()._expand_help
+        for action in parser._actions:
+            options = [option for option in action.option_strings if option.startswith("--")]
+            said = expand(action) if action.help else ""
+            listed = {str(c): said for c in action.choices or ()}
+            if isinstance(action, argparse._SubParsersAction):
+                listed = {line.dest: expand(line) for line in action._choices_actions}
+            found[place] |= dict.fromkeys(options, said) or listed
+            found |= {f"{verb} {option}": listed for option in options if listed}
+    return found
 
 
-def _fish(words: dict[str, list[str]]) -> list[str]:
-    lines = [
-        f"complete -c grip -n __fish_use_subcommand -a {verb} -d '{doc.replace(chr(39), chr(92) + chr(39))}'"
-        for verb, doc in VERBS.items()
-    ]
-    for verb, options in words.items():
-        for option in options:
-            given = f"-l {option[2:]}" if option.startswith("--") else f"-a {option}"
-            lines.append(f"complete -c grip -n '__fish_seen_subcommand_from {verb}' {given}")
-    return lines
+def _fish(place: str, words: Words) -> Iterator[str]:
+    """Yield what makes fish complete words at a place: a verb, one of its actions, or an option's value."""
+    verb, _, behind = place.partition(" ")
+    if behind.startswith("--"):
+        yield f"complete -c grip -n '__fish_seen_subcommand_from {verb}' -l {behind[2:]} -xa '{' '.join(words)}'"
+        return
+    at = " ; and ".join(f"__fish_seen_subcommand_from {word}" for word in place.split())
+    for word, said in words.items():
+        quoted = said.replace("\\", "\\\\").replace("'", "\\'")
+        if word.startswith("--"):
+            yield f"complete -c grip -n '{at}' -l {word[2:]} -d '{quoted}'"
+        else:
+            first = f"__fish_is_nth_token {len(place.split()) + 1}"
+            yield f"complete -c grip -n '{first}{' ; and ' if at else ''}{at}' -a {word} -d '{quoted}'"

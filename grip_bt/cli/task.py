@@ -69,6 +69,7 @@ def _issues(path: str) -> tuple[Issue, ...]:
 def add_fmt(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("tasks", nargs="+", metavar="TASK", help="a task file; - reads stdin and writes stdout")
     parser.add_argument("--check", action="store_true", help="change nothing; 1 when a file isn't canonical")
+    parser.add_argument("--json", action="store_true", help="print one JSON list")
 
 
 def run_fmt(args: argparse.Namespace) -> int:
@@ -76,17 +77,16 @@ def run_fmt(args: argparse.Namespace) -> int:
     # a file that can't be read stops all before any is written
     formatted = {path: fmt(text, "<stdin>" if path == "-" else path) for path, text in texts.items()}
     changed = [path for path, text in texts.items() if text != formatted[path]]
-    if args.check:
-        for path in changed:
-            print(f"{path}: not formatted; run `grip fmt {path}`")
-        return int(bool(changed))
-    for path, text in formatted.items():
+    advice = "not formatted; run `grip fmt {}`" if args.check else "formatted"
+    for path, text in () if args.check else formatted.items():
         if path == "-":
             put(text)
         elif path in changed:
             replace_text(Path(path), text)
-            print(f"{path}: formatted")
-    return 0
+    if args.check or "-" not in args.tasks:
+        rows = [{"task": path, "changed": path in changed} for path in texts]
+        tell(args.json, rows, (f"{path}: {advice.format(path)}" for path in changed))
+    return int(args.check and bool(changed))
 
 
 def add_apply(parser: argparse.ArgumentParser) -> None:
