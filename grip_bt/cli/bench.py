@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 import time
+from datetime import timedelta
 from pathlib import Path
 
 from grip_bt.app.campaign.cluster import run_on
@@ -81,7 +82,6 @@ def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace, bar: term
     left = [trial for trial in campaign.trials() if trial not in done]
 
     def say(text: str) -> None:
-        bar.clear()
         if not (args.json or args.csv or terminal.quiet):
             print(text, file=sys.stderr, flush=True)
 
@@ -95,7 +95,7 @@ def _run_all(campaign: Campaign, file: Path, args: argparse.Namespace, bar: term
         same = [each for each in results.rows if each["variant"] == row["variant"]]
         low, high = wilson(sum(each["success"] for each in same), len(same))
         rate = f"{row['variant']} {low:.0%} to {high:.0%}"
-        say(f"{_line(row, len(results.rows))}; {rate}; {_time(passed / done * trials.left)} left")
+        say(f"{_line(row, len(results.rows))}; {rate}; {timedelta(seconds=round(passed / done * trials.left))} left")
         bar(done, len(left), row["trial"])
 
     trials = Trials(
@@ -133,16 +133,6 @@ def _again(campaign: Campaign, file: Path, trial: str) -> int:
         differs = difference(journal, before["run"], row["run"])
         print(f"  {differs or 'the same as in the results, event by event'}")
     return 0
-
-
-def _time(seconds: float) -> str:
-    return (
-        f"{seconds / 3600:.1f} h"
-        if seconds > 5400
-        else f"{seconds / 60:.0f} min"
-        if seconds > 90
-        else f"{seconds:.0f} s"
-    )
 
 
 def _own_folder(project: Project) -> Path:

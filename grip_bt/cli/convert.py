@@ -9,7 +9,6 @@ from pathlib import Path
 
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.project.foreign_code import refuse
-from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.cli.parser import STAND_INS
@@ -79,7 +78,7 @@ def add_convert(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
+def run(args: argparse.Namespace) -> None:
     if args.execute:
         refuse([f"--execute: imports and runs {args.task}"])
         task = import_from_code(args.task, Path.cwd(), as_it_is=True, stand_ins=args.stand_ins).task
@@ -89,9 +88,5 @@ def run(args: argparse.Namespace) -> int:
     text = converted(document, catalog, args)
     if args.output == "-":
         put(text)
-        return 0
-    try:
+    else:
         replace_text(Path(args.output), text)
-    except OSError as error:
-        raise GripError(f"{args.output}: can't be written: {error.strerror or error}") from error
-    return 0

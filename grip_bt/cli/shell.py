@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Collection, Iterator, Sequence
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 
 from grip_bt import __version__
 from grip_bt.base.errors import GripError, MissingPartError, NodeError, remedy_of
@@ -180,24 +181,7 @@ def _refused_by_the_system(error: OSError) -> int:
     return complain(f"{name}: {error.strerror}; name another place, or change its permissions")
 
 
-_BASH = """_grip_words() {{
-    case $1 in
-{cases}
-    esac
-}}
-_grip() {{
-    local word=${{COMP_WORDS[COMP_CWORD]}} verb= action= before= found= at
-    [ "$COMP_CWORD" -gt 1 ] && verb=${{COMP_WORDS[1]}} before=${{COMP_WORDS[COMP_CWORD-1]}}
-    [ "$COMP_CWORD" -gt 2 ] && action=${{COMP_WORDS[2]}}
-    for at in "$verb $before" "$verb $action" "$verb"; do
-        found=$(_grip_words "$at")
-        [ -n "$found" ] && break
-    done
-    COMPREPLY=($(compgen -W "$found" -- "$word"))
-}}
-complete -o default -F _grip grip
-"""
-_ZSH = "autoload -U +X bashcompinit && bashcompinit\n" + _BASH
+_BASH = Path(__file__).with_name("completion.bash")
 Words = dict[str, str]
 """What may be typed -> what it means."""
 
@@ -215,7 +199,8 @@ def run_completion(args: argparse.Namespace) -> None:
         print("\n".join(line for place, words in places.items() for line in _fish(place, words)))
         return
     cases = "\n".join(f'        "{at}") echo "{" ".join(words)}" ;;' for at, words in places.items() if words)
-    print((_ZSH if args.shell == "zsh" else _BASH).format(cases=cases), end="")
+    first = "autoload -U +X bashcompinit && bashcompinit\n" if args.shell == "zsh" else ""
+    print(first + _BASH.read_text().replace("@CASES@", cases), end="")
 
 
 def _places(verb: str) -> dict[str, Words]:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import Any, Self, TextIO, cast
+from typing import Any, Self, TextIO
 
 from . import INVALID
 
@@ -98,8 +96,8 @@ def progress(part: str, detail: str) -> None:
         print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)
 
 
-SOON, EVERY = 2.0, 0.5
-"""After how long a bar comes up, and how often it is drawn [s]."""
+SOON = 2.0
+"""After how long a bar comes up [s]."""
 
 
 class Bar:
@@ -109,41 +107,30 @@ class Bar:
     """
 
     def __init__(self, what: str):
-        self._what, self._began, self._at, self._shown = what, time.monotonic(), (0, 0, ""), False
-        self._over, self._drawing = threading.Event(), cast("threading.Thread | None", None)
+        self._what = what
 
     def __enter__(self) -> Self:
-        if sys.stderr.isatty() and not quiet:
-            self._drawing = threading.Thread(target=self._draw, daemon=True)
-            self._drawing.start()
+        from rich.console import Console  # the list of verbs does without
+        from rich.progress import MofNCompleteColumn, Progress, TextColumn
+
+        columns = (*Progress.get_default_columns(), MofNCompleteColumn(), TextColumn("{task.fields[name]}"))
+        console, off = Console(stderr=True), quiet or not sys.stderr.isatty()
+        shared = sys.stdout.isatty()  # what is printed meanwhile comes above the bar
+        self._bar = Progress(*columns, console=console, transient=True, redirect_stdout=shared, disable=off)
+        self._part = self._bar.add_task(self._what, total=None, name="")
+        self._soon = threading.Timer(SOON, self._bar.start)
+        self._soon.daemon = True
+        self._soon.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._over.set()
-        if self._drawing is not None:
-            self._drawing.join()
-        self.clear()
+        self._soon.cancel()
+        self._soon.join()
+        self._bar.stop()
 
     def __call__(self, done: int, every: int, name: str = "") -> None:
         """Say that so many of all are done, and what is under way."""
-        self._at = done, every, name
-
-    def clear(self) -> None:
-        """Take the line away for a moment, for what is printed next."""
-        if self._shown:
-            sys.stderr.write("\r\033[K")
-            self._shown = False
-
-    def _draw(self) -> None:
-        while not self._over.wait(EVERY):
-            (done, every, name), passed = self._at, time.monotonic() - self._began
-            if passed < SOON or not every:
-                continue
-            left = f", {passed / done * (every - done):.0f} s left" if done else f", {passed:.0f} s"
-            words = f"{self._what} [{'#' * (20 * done // every):.<20}] {done} of {every}{left}  {name}"
-            sys.stderr.write(f"\r\033[K{words[: shutil.get_terminal_size().columns - 1]}")
-            sys.stderr.flush()
-            self._shown = True
+        self._bar.update(self._part, completed=done, total=every, name=name)
 
 
 def on_stop(stop: Callable[[], object]) -> None:

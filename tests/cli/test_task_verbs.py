@@ -95,4 +95,4 @@ def test_convert_writes_each_form(form, begin, tmp_path, capsys):
     assert main(["convert", EXAMPLE, "--to", form]) == 0
     assert capsys.readouterr().out.startswith(begin)
     assert main(["convert", EXAMPLE, "--to", form, "-o", str(tmp_path / "no" / "out")]) == 1
-    assert "can't be written" in capsys.readouterr().err
+    assert "make its folder first" in capsys.readouterr().err
