@@ -157,7 +157,7 @@ def components_folder(start: Path) -> Path:
 def label_of(component: ComponentFile, reply: Mapping[str, Any]) -> str:
     """Return the outcome of an answer: by its number, or by the outcomes' rules; empty where no rule holds."""
     if not component.rules:
-        return component.outcomes[reply["outcome"]]
+        return str(component.outcomes[reply["outcome"]])
     for label, text in component.rules.items():
         rule = parse_expression(text)
         if condition_of(rule, {name: partial(reply.__getitem__, name) for name in rule.names})():
