@@ -115,7 +115,7 @@ async function changedByPan(page, { x, y, width, height }) {
   await page.mouse.move(x + width / 2 + 3, y + 20);
   await page.evaluate(() => {
     window.changes = [];
-    const own = (each) => each.matches(".react-flow__viewport, .frame, .react-flow__background *, .react-flow__background");
+    const own = (each) => each.matches(".react-flow__viewport, .frame");
     window.watch = new MutationObserver((all) => window.changes.push(...all.filter((each) => !own(each.target)).map((each) => `${each.type} of ${each.target.className?.baseVal ?? each.target.className}`)));
     window.watch.observe(document.querySelector(".react-flow"), { subtree: true, childList: true, attributes: true });
   });

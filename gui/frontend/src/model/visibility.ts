@@ -12,9 +12,15 @@ export interface Area {
 /** Height below the top of a node at which lines leave and arrive [px]. */
 export const LINE_AT = 25;
 
-/** The part of the drawing that a pane shows, in whole tiles, so that it changes seldom while the drawing is moved. */
+/** Below this zoom nodes show their names only, in large letters: smaller print can't be read. */
+export const FAR = 0.62;
+
+/**
+ * The part of the drawing that a pane shows, in whole tiles, so that it changes seldom while the drawing is moved. Near,
+ * where elements are many to a tile and each costs something in every step, tiles are smaller.
+ */
 export function areaInSight([x, y, zoom]: readonly [number, number, number], width: number, height: number): Area {
-  const tile = Math.max(width, height, 400) / 2 / zoom;
+  const tile = Math.max(width, height, 400) / (zoom < FAR ? 2 : 5) / zoom;
   const floor = (at: number): number => Math.floor(at / tile) * tile;
   const ceil = (at: number): number => Math.ceil(at / tile) * tile;
   return { left: floor(-x / zoom), top: floor(-y / zoom), right: ceil((width - x) / zoom), bottom: ceil((height - y) / zoom) };

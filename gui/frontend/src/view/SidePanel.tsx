@@ -41,7 +41,7 @@ function VariableRow({ variable }: { variable: VariableView }): JSX.Element {
   const key = variableKey(variable.scope, variable.name);
   const lit = usePage((s) => s.lens === key);
   const index = useRun((s) => s.index);
-  const preview = value?.preview ?? variable.initial ?? "";
+  const preview = value?.preview ?? plain(variable.initial ?? "");
   const run = useRun((s) => s.record?.id);
   const [open, setOpen] = useState(false);
   return (
@@ -91,6 +91,11 @@ function VariableRow({ variable }: { variable: VariableView }): JSX.Element {
     )}
     </>
   );
+}
+
+/** A value of the file without the marks of its notation, as far as it can be read so. */
+function plain(text: string): string {
+  return text.startsWith("{") ? text.slice(1, -1).replace(/"(\w+)":/g, "$1:") : text;
 }
 
 export function ValuePreview({ run, seq, name }: { run: string; seq: number; name: string }): JSX.Element {

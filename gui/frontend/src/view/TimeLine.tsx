@@ -106,7 +106,8 @@ export function TimeLine(): JSX.Element {
             className={`span phase-${span.phase}`}
             title={`${span.path}: ${span.phase}, ${seconds(span.from)} to ${seconds(span.to ?? end)}`}
             style={{
-              left: percent(span.from),
+              left: `min(${percent(span.from)}, 100% - 2px)`,
+              maxWidth: `max(2px, calc(100% - ${percent(span.from)}))`,
               width: percent((span.to ?? end) - span.from),
               top: `${(span.lane / lanes) * 100}%`,
               height: `${100 / lanes}%`,
@@ -120,6 +121,9 @@ export function TimeLine(): JSX.Element {
     </section>
   );
 }
+
+/** Short: the field that shows it is. */
+const WHEN = new Intl.DateTimeFormat(undefined, { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
 
 function RunPicker(): JSX.Element {
   const record = useRun((s) => s.record);
@@ -137,7 +141,7 @@ function RunPicker(): JSX.Element {
         {!record && <option value="">choose a run</option>}
         {runs.map((entry) => (
           <option key={entry.id} value={entry.id}>
-            {`${new Date(entry.started * 1000).toLocaleString()} · ${entry.task_name} · ${entry.outcome ?? entry.status}`}
+            {`${WHEN.format(entry.started * 1000)} · ${entry.task_name} · ${entry.outcome ?? entry.status}`}
           </option>
         ))}
       </select>

@@ -52,7 +52,7 @@ export function TopBar({ project, begins }: { project: ProjectView; begins: bool
             </button>
           ))}
         </div>
-        {(project.tasks.length > 0 || task.path !== "") && <Field label="Task">
+        {!begins && (project.tasks.length > 0 || task.path !== "") && <Field label="Task">
           <select id="task-field" value={task.path} onChange={(event) => void chooseTask(event.target.value)}>
             {project.tasks.some((entry) => entry.path === task.path) || <option value={task.path}>{task.path}</option>}
             {project.tasks.map((entry) => (

@@ -1,5 +1,5 @@
 /** The tree of the task. Statuses reach the nodes through the store, never through the node list. */
-import { Background, type Node, Position, ReactFlow, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
+import { type Node, Position, ReactFlow, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
 import { type JSX, type MouseEvent, type RefObject, useCallback, useEffect, useMemo, useRef, useState } from "react";
 
 import { type Box, layoutTree } from "../model/layout";
@@ -10,7 +10,7 @@ import { openSubtask } from "../store/converting";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { TreeNode } from "./TreeNode";
-import { Detail, type Face, Overview, Sketch, useLeastZoom, useSight, Whole } from "./drawing";
+import { Detail, type Face, Ground, Overview, Sketch, useLeastZoom, useSight, Whole } from "./drawing";
 
 const NODE_TYPES = { task: TreeNode };
 const NO_EDGES: never[] = [];
@@ -86,9 +86,9 @@ export function TreeCanvas(): JSX.Element {
       aria-label="Tree of the task; the outline has the same content for keyboards"
     >
       <ViewportPortal>
+        {!sketched && <Ground area={area} />}
         <Sketch sight={sight} boxes={boxes} strokes={strokes} faceOf={faceOf} />
       </ViewportPortal>
-      {!sketched && <Background gap={24} />}
       <Whole key={path} boxes={boxes} begun={begun === path} least={LEAST_ZOOM} begin={(_, __, height) => rootIn(boxes.get("/"), height)} over={over} />
       {mapped && <Overview boxes={boxes} />}
       <Detail />

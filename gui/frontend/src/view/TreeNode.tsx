@@ -1,5 +1,5 @@
 /** One node on the canvas. It holds no state of its own: canvases unmount what is out of sight. */
-import { Handle, type NodeProps, NodeToolbar, Position, useStore } from "@xyflow/react";
+import { type NodeProps, NodeToolbar, Position, useStore } from "@xyflow/react";
 import type { JSX } from "react";
 import { IDLE } from "../model/status";
 import { settingsOf } from "../model/values";
@@ -36,7 +36,6 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
       {...target}
     >
       <OthersRing path={node.path} folded={closed} />
-      <Handle type="target" position={Position.Left} isConnectable={false} />
       <div className="node-head">
         {node.children.length > 0 && <Fold node={node} />}
         <KindIcon kind={node.kind} id={node.label} />
@@ -65,7 +64,6 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
           ))}
         </ul>
       )}
-      <Handle type="source" position={Position.Right} isConnectable={false} />
     </div>
   );
 }

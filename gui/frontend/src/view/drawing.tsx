@@ -3,13 +3,12 @@ import { ControlButton, Controls, Panel, type ReactFlowState, useReactFlow, useS
 import { type JSX, type PointerEvent, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
 
 import type { Box } from "../model/layout";
-import { type Area, areaInSight, extent, FEW, idsIn, MANY } from "../model/visibility";
+import { type Area, areaInSight, extent, FAR, FEW, idsIn, MANY } from "../model/visibility";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
+import { useDark } from "./hooks";
 
-/** Below this zoom nodes show their names only, in large letters: smaller print can't be read, */
-const FAR = 0.62;
-/** below this nothing that could be read, */
+/** Below this zoom nodes show nothing that could be read, */
 const NAMED = 0.3;
 /** and from this on what they are set to. */
 const NEAR = 1.5;
@@ -112,13 +111,7 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
   const worst = useRun((s) => s.index.worst);
   const version = useRun((s) => (sketched ? s.version : 0));
   const marked = usePage((s) => (sketched ? s.marked : null));
-  const [theme, setTheme] = useState(0);
-  useEffect(() => {
-    const dark = matchMedia("(prefers-color-scheme: dark)");
-    const changed = (): void => setTheme((now) => now + 1);
-    dark.addEventListener("change", changed);
-    return () => dark.removeEventListener("change", changed);
-  }, []);
+  const dark = useDark();
   const [width, height] = [area.right - area.left, area.bottom - area.top];
   useLayoutEffect(() => {
     const pen = canvas.current?.getContext("2d");
@@ -179,7 +172,7 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
       const { x, y, width, height } = boxes.get(id) as Box;
       if (face) pen.fillText(cut(face.name, width - 24), x + 12, face.shape === "open" ? y + 24 : y + height / 2);
     }
-  }, [area, boxes, faceOf, inside, marked, phases, sketched, strokes, theme, version, width, height, worst, zoom]);
+  }, [area, boxes, faceOf, inside, marked, phases, sketched, strokes, dark, version, width, height, worst, zoom]);
   return <canvas ref={canvas} className="sketch" aria-hidden="true" style={{ left: area.left, top: area.top, width, height }} />;
 }
 
@@ -271,6 +264,8 @@ const WIDTH = 140;
 const HEIGHT = 96;
 /** However long a drawing is, its other side takes this part of the map at least. */
 const LEAST_PART = 0.3;
+/** [px] */
+const LEAST_FRAME = 4;
 
 /** The whole drawing in the corner, and what of it is in sight. A press goes there. One that is very long is drawn shorter. */
 export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.Element | null {
@@ -295,7 +290,7 @@ export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.El
     pen.fillStyle = "rgb(128 138 148 / 55%)";
     for (const { x, y, width, height } of boxes.values()) pen.fillRect((x - left) / across, (y - top) / down, Math.max(0.7, width / across), Math.max(0.7, height / down));
   }, [boxes, left, top, across, down, small]);
-  const go = (event: PointerEvent<SVGSVGElement>): void => {
+  const go = (event: PointerEvent<HTMLElement>): void => {
     if (event.buttons !== 1) return;
     const frame = event.currentTarget.getBoundingClientRect();
     void setCenter(left + (event.clientX - frame.left) * across, top + (event.clientY - frame.top) * down, { zoom: getZoom(), duration: 0 });
@@ -304,11 +299,9 @@ export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.El
   return (
     <Panel position="bottom-right" className="map nopan nowheel">
       <canvas ref={canvas} aria-hidden="true" />
-      <svg
-        width={WIDTH}
-        height={HEIGHT}
-        viewBox={`${left} ${top} ${WIDTH * across} ${HEIGHT * down}`}
-        preserveAspectRatio="none"
+      <div
+        className="map-face"
+        style={{ width: WIDTH, height: HEIGHT }}
         aria-hidden="true"
         onPointerDown={(event) => {
           event.currentTarget.setPointerCapture(event.pointerId);
@@ -316,17 +309,23 @@ export function Overview({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.El
         }}
         onPointerMove={go}
       >
-        <Frame across={across * 4} down={down * 4} />
-      </svg>
+        <Frame left={left} top={top} across={across} down={down} />
+      </div>
     </Panel>
   );
 }
 
-/** What is in sight; never so small that it can't be seen. */
-function Frame({ across, down }: { across: number; down: number }): JSX.Element {
+/** What is in sight; never so small that it can't be seen. It is moved, not painted anew, with each step of a motion. */
+function Frame({ left, top, across, down }: { left: number; top: number; across: number; down: number }): JSX.Element {
   const [x, y, zoom] = useStore((s) => s.transform);
-  const width = useStore((s) => s.width) / zoom;
-  const height = useStore((s) => s.height) / zoom;
-  const [wide, high] = [Math.max(width, across), Math.max(height, down)];
-  return <rect className="frame" x={-x / zoom - (wide - width) / 2} y={-y / zoom - (high - height) / 2} width={wide} height={high} vectorEffect="non-scaling-stroke" />;
+  const width = useStore((s) => s.width) / zoom / across;
+  const height = useStore((s) => s.height) / zoom / down;
+  const [wide, high] = [Math.max(width, LEAST_FRAME), Math.max(height, LEAST_FRAME)];
+  const at = [(-x / zoom - left) / across - (wide - width) / 2, (-y / zoom - top) / down - (high - height) / 2];
+  return <span className="frame" style={{ width: wide, height: high, transform: `translate(${at[0]}px, ${at[1]}px)` }} />;
+}
+
+/** Dots behind the drawing: they lie in it and move with it, so that a motion paints nothing anew. */
+export function Ground({ area: { left, top, right, bottom } }: { area: Area }): JSX.Element {
+  return <div className="ground" aria-hidden="true" style={{ left, top, width: right - left, height: bottom - top, backgroundPosition: `${-left}px ${-top}px` }} />;
 }

@@ -1,5 +1,5 @@
 /** Makes a box on the canvas, or a row of the outline, something that is dragged and dropped on. */
-import { type DragEvent, type RefObject, type UIEvent, useEffect, useLayoutEffect, useState } from "react";
+import { type DragEvent, type RefObject, type UIEvent, useEffect, useLayoutEffect, useState, useSyncExternalStore } from "react";
 
 import { server } from "../protocol/client";
 import type { StudySpan } from "../protocol/generated";
@@ -194,4 +194,17 @@ export function useStudy(): void {
     void tell(0).catch(() => undefined);
     return () => clearInterval(timer);
   }, []);
+}
+
+const DARK = "(prefers-color-scheme: dark)";
+
+function onTheme(changed: () => void): () => void {
+  const dark = matchMedia(DARK);
+  dark.addEventListener("change", changed);
+  return () => dark.removeEventListener("change", changed);
+}
+
+/** Whether the theme is dark: what draws on a canvas draws anew when that changes. */
+export function useDark(): boolean {
+  return useSyncExternalStore(onTheme, () => matchMedia(DARK).matches);
 }

@@ -2,6 +2,7 @@
 import { type JSX, type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from "react";
 import { matching } from "../../model/commands";
 import { turned } from "../../model/values";
+import { Prose } from "./fields";
 import { type ChoiceQuestion, isFew, type TextQuestion, useAsk } from "../../store/ask";
 
 /** Most options that are listed; typing finds the others. */
@@ -133,7 +134,7 @@ function Chooser({ question, answer }: { question: ChoiceQuestion; answer: (valu
           <li key={option.value} id={`${id}-${i}`} role="option" aria-selected={i === active} onClick={() => answer(option.value)} onPointerMove={() => setAt(i)}>
             <span className="option-label">{option.label}</span>
             {option.mark && <span className="option-mark">{option.mark}</span>}
-            {option.detail && <span className="option-detail">{option.detail}</span>}
+            {option.detail && <span className="option-detail"><Prose text={option.detail} /></span>}
           </li>
         ))}
       </ul>
@@ -183,7 +184,7 @@ export function FewChoices({ question, answer }: Props): JSX.Element {
         {question.options.map((option) => (
           <button key={option.value} type="button" value={option.value} hidden={!found.some((each) => each.value === option.value)} onClick={() => answer(option.value)}>
             <span className="option-label">{option.label}</span> {option.mark && <span className="option-mark">{option.mark}</span>}{" "}
-            {option.detail && <span className="option-detail">{option.detail}</span>}
+            {option.detail && <span className="option-detail"><Prose text={option.detail} /></span>}
           </button>
         ))}
       </div>

@@ -1,5 +1,5 @@
 /** A container's inside as a flow chart: drag from an outcome to where it leads, drag a node to pin it. */
-import { Background, type Connection, type Edge, MarkerType, type Node, Position, ReactFlow, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
+import { type Connection, type Edge, MarkerType, type Node, Position, ReactFlow, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
 import { type DragEvent, type JSX, type MouseEvent, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { parentOf } from "../../model/commands";
 import { isStart, LEAD, PORT_HEIGHT, targetName } from "../../model/flow";
@@ -15,7 +15,7 @@ import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { FormBadge } from "../edit/EditBar";
 import { drop, isDrag } from "../hooks";
-import { Detail, type Face, Overview, type Sight, Sketch, type Stroke, useLeastZoom, useSight, Whole } from "../drawing";
+import { Detail, type Face, Ground, Overview, type Sight, Sketch, type Stroke, useLeastZoom, useSight, Whole } from "../drawing";
 import { NewPane } from "../marks";
 import { EndNode, FlowEdgeLine, FlowNode, INSIDE, roundedToDot, StartNode } from "./FlowNode";
 import { useChart } from "./layouter";
@@ -52,12 +52,12 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
   const [dragged, setDragged] = useState<{ id: string; x: number; y: number } | null>(null);
   const sight = useSight(boxes);
   const { area, sketched } = sight;
-  const parts = useMemo(() => partsOf(chart, sight, dragged?.id ?? null), [chart, sight.inside, sight.real, sketched, dragged?.id]);
+  const found = useMemo(() => foundIn(chart), [chart]);
+  const parts = useMemo(() => partsOf(chart, found, sight, dragged?.id ?? null), [chart, found, sight.inside, sight.real, sketched, dragged?.id]);
   const nodes = useMemo(() => flowNodes(parts.items, boxes, dragged, sketched), [parts, boxes, dragged, sketched]);
   const edges = useMemo(() => flowEdges(chart, parts.edges, edge, dragged?.id ?? null), [chart, parts, edge, dragged?.id]);
   const strokes = useMemo(() => strokesOf(chart, new Set(parts.edges), area, sketched), [chart, parts, area, sketched]);
-  const byId = useMemo(() => new Map(chart.items.map((each) => [each.item.id, each])), [chart]);
-  const faceOf = useCallback((id: string): Face | undefined => faceIn(byId, id), [byId]);
+  const faceOf = useCallback((id: string): Face | undefined => faceIn(found.known, id), [found]);
   const mapped = useStore((s) => hasRoomForMap(s.width)) && chart.items.length > FEW_NODES;
   const leastZoom = useLeastZoom(boxes);
   const pinned = chart.items.some(({ item }) => pins[item.id] !== undefined);
@@ -132,12 +132,10 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
         attributionPosition="bottom-center"
         aria-label="Flow chart of the container; the outline and the forms have the same content for keyboards"
       >
-        {(sketched || strokes.length > 0) && (
-          <ViewportPortal>
-            <Sketch sight={sight} boxes={boxes} strokes={strokes} faceOf={faceOf} />
-          </ViewportPortal>
-        )}
-        {!sketched && <Background gap={24} />}
+        <ViewportPortal>
+          {!sketched && <Ground area={area} />}
+          {(sketched || strokes.length > 0) && <Sketch sight={sight} boxes={boxes} strokes={strokes} faceOf={faceOf} />}
+        </ViewportPortal>
         <Whole boxes={boxes} begun={begun} least={READABLE} begin={beginning} middle />
         {mapped && <Overview boxes={boxes} />}
         <Detail />
@@ -221,6 +219,22 @@ function shiftOf(before: ReadonlyMap<string, Box>, now: ReadonlyMap<string, Box>
 /** The start and the ends of a container that is open are on its border. */
 const ownerOf = (id: string, boxes: ReadonlyMap<string, Box>): string => (boxes.has(id) ? id : id.slice(0, id.indexOf("#")));
 
+/** What of a chart is asked for with each part of it that comes into sight. */
+interface Found {
+  readonly known: ReadonlyMap<string, PlacedItem & { readonly order: number }>;
+  /** Edges by what they leave. */
+  readonly leaving: ReadonlyMap<string, readonly PlacedEdge[]>;
+}
+
+function foundIn({ items, edges, boxes }: FlowChart): Found {
+  const leaving = new Map<string, PlacedEdge[]>();
+  for (const edge of edges) {
+    const owner = ownerOf(edge.source, boxes);
+    if (!leaving.get(owner)?.push(edge)) leaving.set(owner, [edge]);
+  }
+  return { known: new Map(items.map((each, order) => [each.item.id, { ...each, order }])), leaving };
+}
+
 interface Parts {
   readonly items: readonly PlacedItem[];
   readonly edges: readonly PlacedEdge[];
@@ -230,15 +244,15 @@ interface Parts {
  * What of a chart is made of elements: all of a small one; of a large one what is in sight, with the edges that leave it
  * there and what they lead to. The other edges are drawn as lines.
  */
-function partsOf(chart: FlowChart, { inside, real, sketched }: Sight, dragged: string | null): Parts {
+function partsOf(chart: FlowChart, { known, leaving }: Found, { inside, real, sketched }: Sight, dragged: string | null): Parts {
   if (!sketched && chart.items.length <= MANY) return chart;
   const ids = new Set(sketched ? real : inside);
   if (dragged !== null) ids.add(dragged);
-  const edges = sketched ? [] : chart.edges.filter((edge) => inside.has(ownerOf(edge.source, chart.boxes)));
+  const edges = sketched ? [] : [...inside].flatMap((id) => leaving.get(id) ?? []);
   for (const edge of edges) ids.add(ownerOf(edge.target, chart.boxes));
-  const known = new Map(chart.items.map((each) => [each.item.id, each]));
   for (const id of sketched ? [] : [...ids]) for (let at = known.get(id)?.parent ?? null; at !== null; at = known.get(at)?.parent ?? null) ids.add(at);
-  return { items: chart.items.filter(({ item }) => ids.has(item.id)), edges };
+  const items = [...ids].flatMap((id) => known.get(id) ?? []);
+  return { items: items.sort((one, other) => one.order - other.order), edges };
 }
 
 /** The edges that touch an area and aren't elements, those that look alike as one path. */

@@ -16,6 +16,9 @@ import { KindIcon, PhaseIcon } from "../icons";
 /** What stands before the names of the handles on a box's border that what is inside it leads to. */
 export const INSIDE = "#inside:";
 
+/** What the sign and the colour say already: the words would cover what the node does. */
+const PLAIN = new Set(["running", "success"]);
+
 export function FlowNode({ data }: NodeProps): JSX.Element {
   const item = data["item"] as FlowItem;
   const node = item.node as NonNullable<FlowItem["node"]>;
@@ -44,7 +47,7 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
         <NodeSub node={node} what={subtitleOf(node)} />
         <span className={`badge phase-${status.phase}`}>
           <PhaseIcon phase={status.phase} />
-          {status.phase === "idle" ? "" : statusText(status)}
+          {status.phase !== "idle" && <span className={PLAIN.has(statusText(status)) ? "hidden" : ""}>{statusText(status)}</span>}
         </span>
       </div>
       <ul className="ports">

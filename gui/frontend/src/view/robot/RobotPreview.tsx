@@ -5,6 +5,7 @@ import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef, useState } fr
 
 import type { GeometryView } from "../../protocol/generated";
 import { keepState, taskThrough } from "../../store/begin";
+import { useDark } from "../hooks";
 import { isNear, makeReach } from "./reach";
 import { makeSpace, type Space } from "./space";
 
@@ -131,10 +132,11 @@ function Joints({ view, space, joints, set }: JointsProps): JSX.Element {
 /** How the robot stands in a named state, all else at rest. */
 function Stands({ space, at }: { space: Space | null; at: Readonly<Record<string, number>> }): JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null);
+  const dark = useDark();
   useEffect(() => {
     const asked = requestAnimationFrame(() => canvas.current && space?.picture(new Map(Object.entries(at)), canvas.current));
     return () => cancelAnimationFrame(asked);
-  }, [space, at]);
+  }, [space, at, dark]);
   return <canvas ref={canvas} width={176} height={132} aria-hidden="true" />;
 }
 

@@ -9,6 +9,7 @@ import type { NamedPlace, SceneItem } from "../../protocol/generated";
 import { cloudOf, loadGeometry, type NamedCloud, placesOf, readMotion, setRobotOpen, useRobot } from "../../store/live";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
+import { useDark } from "../hooks";
 import { makeSpace, type Side, type Space, type Spot } from "./space";
 
 const PERIOD = 150;
@@ -30,6 +31,7 @@ export default function RobotView(): JSX.Element {
   const [shown, setShown] = useState(true);
   const [frames, setFrames] = useState(false);
   const [error, setError] = useState("");
+  const dark = useDark();
   const [grasps, setGrasps] = useState<ReadonlyMap<string, readonly [number, number, number]>>(new Map());
   const canvas = useRef<HTMLCanvasElement>(null);
   const space = useRef<Space | null>(null);
@@ -49,7 +51,7 @@ export default function RobotView(): JSX.Element {
   useEffect(() => {
     space.current?.show(stand, places, shown ? clouds : NONE, frames);
     if (space.current) setGrasps(space.current.grasps());
-  }, [view, stand, places, clouds, shown, frames]);
+  }, [view, stand, places, clouds, shown, frames, dark]);
   function onKeyDown(event: KeyboardEvent): void {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (turn) space.current?.turn(turn[0] ?? 0, turn[1] ?? 0);

@@ -164,7 +164,7 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
       const pose = new Group();
       place(pose, each.at);
       addAxes(pose, AXES, each.over ? FADED : 1);
-      if (!each.over && (together.get(variableOf(each.name)) ?? 0) <= NAMED) pose.add(label(each.name, look.getPropertyValue("--text").trim()));
+      if (!each.over && (together.get(variableOf(each.name)) ?? 0) <= NAMED) pose.add(label(each.name, look.getPropertyValue("--text").trim(), look.getPropertyValue("--surface").trim()));
       (robot.links.get(each.frame) ?? things).add(pose);
       if (robot.links.has(each.frame)) hung.push(pose);
     }
@@ -248,19 +248,35 @@ function addAxes(parent: Group, size: number, opacity = 1): AxesHelper {
   return axes;
 }
 
-/** A name beside a pose. */
-function label(text: string, color: string): Sprite {
+/** Of a name, at each side, and the size of its letters [px]. */
+const PAD = 5;
+const LETTERS = 13;
+
+/** A name beside a pose, on a ground of its own. It has the size of other words on the page, however far away it is. */
+function label(text: string, color: string, ground: string): Sprite {
   const canvas = document.createElement("canvas");
-  canvas.width = 256;
-  canvas.height = 48;
   const pen = canvas.getContext("2d");
+  const font = `600 ${2 * LETTERS}px sans-serif`;
+  if (pen) pen.font = font;
+  canvas.width = Math.ceil((pen?.measureText(text).width ?? 0) + 4 * PAD);
+  canvas.height = 2 * (LETTERS + PAD);
   if (pen) {
-    pen.font = "28px sans-serif";
+    pen.globalAlpha = 0.8;
+    pen.fillStyle = ground;
+    pen.fillRect(0, 0, canvas.width, canvas.height);
+    pen.globalAlpha = 1;
+    pen.font = font;
+    pen.textBaseline = "middle";
     pen.fillStyle = color;
-    pen.fillText(text, 4, 34, 248);
+    pen.fillText(text, 2 * PAD, canvas.height / 2);
   }
-  const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), depthTest: false }));
-  sprite.scale.set(0.32, 0.06, 1);
-  sprite.position.set(0.12, 0, 0.06);
+  const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), depthTest: false, sizeAttenuation: false }));
+  sprite.center.set(-0.08, 0.5);
+  sprite.onBeforeRender = (renderer, _, camera) => {
+    const dot = (2 * Math.tan((camera as PerspectiveCamera).fov * (Math.PI / 360))) / Math.max(1, renderer.domElement.clientHeight);
+    sprite.scale.set((canvas.width / 2) * dot, (canvas.height / 2) * dot, 1);
+    sprite.updateMatrixWorld();
+    sprite.modelViewMatrix.multiplyMatrices(camera.matrixWorldInverse, sprite.matrixWorld);
+  };
   return sprite;
 }

@@ -62,7 +62,17 @@ function Made(): JSX.Element {
     <section className="start-made" aria-labelledby="made-title">
       <h2 id="made-title">The project is there</h2>
       <div className="start-has">
-        <ProjectParts />
+        <div>
+          <ProjectParts />
+          {first !== undefined && (
+            <p className="start-on">
+              <button className="main start-go" autoFocus onClick={() => void openFirst(first)}>
+                Open the first task
+              </button>
+              <span className="hint">then press Run: {first === "tasks/take.yaml" ? "the hand takes a thing from the bench and holds it" : "the robot moves through its states"}</span>
+            </p>
+          )}
+        </div>
         <Suspense fallback={<p className="hint loading">Loading the 3D view ...</p>}>
           <RobotPreview view={view} moves />
         </Suspense>
@@ -78,14 +88,6 @@ function Made(): JSX.Element {
             ))}
           </ul>
         </details>
-      )}
-      {first !== undefined && (
-        <p>
-          <button className="main start-go" autoFocus onClick={() => void openFirst(first)}>
-            Open the first task
-          </button>{" "}
-          <span className="hint">then press Run: {first === "tasks/take.yaml" ? "the hand takes a thing from the bench and holds it" : "the robot moves through its states"}</span>
-        </p>
       )}
     </section>
   );
@@ -150,7 +152,7 @@ function RobotDoor(): JSX.Element {
             <p className="start-take">
               <button className="main start-go" disabled={busy} onClick={() => void begin(chosen)}>
                 Take {name}
-              </button>{" "}
+              </button>
               <span className="hint">{options.find((robot) => robot.value === chosen)?.detail ?? chosen}</span>
             </p>
           </>
