@@ -72,11 +72,8 @@ def read_source(path: Path) -> Source:
     except (SyntaxError, ValueError) as first:
         try:
             whole = text.expandtabs(_TAB)
-            converted = str(
-                _converter(threading.get_ident()).refactor_string(
-                    whole if whole.endswith("\n") else whole + "\n", str(path)
-                )
-            )
+            with _converting:
+                converted = str(_converter().refactor_string(whole + "\n" * (whole[-1:] != "\n"), str(path)))
             return Source(path, converted, _parse(converted), True)
         except Exception:  # noqa: BLE001 - the converter raises whatever it likes; the first error says what is wrong
             line = getattr(first, "lineno", None)
@@ -89,8 +86,11 @@ def _parse(text: str) -> ast.Module:
         return ast.parse(text)
 
 
-@lru_cache(maxsize=8)
-def _converter(thread: int) -> Any:
+_converting = threading.Lock()  # the converter has sys.stderr be another one for a while
+
+
+@lru_cache
+def _converter() -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # lib2to3 leaves Python with 3.13
         from lib2to3.refactor import RefactoringTool

@@ -203,6 +203,8 @@ class StandIn(metaclass=_Kind):
         return lifted(work, name_of(self), self, *others)
 
     def _asked(self, work: Callable[..., Any], sign: str, other: object) -> Any:
+        if other is None and sign in ("==", "!=") and type(self) is not StandIn:  # it was made by calling a class
+            return sign == "!="
         name = f"{name_of(self)} {sign} {other!r}"
         if held_by(self) is not UNKNOWN and value_of(other) is not UNKNOWN:
             return stand_in(name_of(self), work(held_by(self), value_of(other)))

@@ -211,7 +211,7 @@ class RclpyConnection(Ros):
             self._messages = SimpleNamespace(
                 Status=messages.SmachContainerStatus,
                 Structure=messages.SmachContainerStructure,
-                Command=messages.SmachContainerInitialStatusCmd,
+                InitialStatusCmd=messages.SmachContainerInitialStatusCmd,
                 header=lambda: Header(stamp=clock.now().to_msg()),
                 packed=lambda data: array.array("B", data),
                 unpacked=bytes,

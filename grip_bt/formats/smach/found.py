@@ -51,6 +51,7 @@ class Way:
 
     Attributes:
         builder: a function, class, `Class.method` or variable of the module; `__main__` for the file as a program.
+        calls: the source of its arguments, and before them of those of its class.
         missing: parameters that nobody has given a value.
         returned: whether the builder returns the machine, or is it; else it is what was built at `line` of `file`.
         number: which of the containers that are built there.
@@ -59,7 +60,7 @@ class Way:
     builder: str
     file: Path
     line: int
-    arguments: tuple[tuple[str, Any], ...] = ()
+    calls: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
     returned: bool = False
     called: bool = True
@@ -195,6 +196,7 @@ class Run(BaseModel):
 
     Attributes:
         answers: to the questions with two answers, in their order, and `asked` what these were.
+        calls: the source of the arguments of what was called, one after the other.
         missing: parameters of the builder that a stand-in was given for.
         unfinished: whether there are answers that weren't tried.
         seconds: time of the processor that it took; of an import, with all runs after it.
@@ -206,6 +208,7 @@ class Run(BaseModel):
     asked: list[Told] = []
     told: list[Told] = []
     error: str = ""
+    calls: list[str] = []
     missing: list[str] = []
     unfinished: bool = False
     stopped: bool = False

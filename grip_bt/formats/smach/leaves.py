@@ -129,9 +129,7 @@ class Leaves:
         if not way.called and way.returned:
             return f"{MODULE}.{way.builder}"
         if way.returned and not way.missing and "." not in way.builder and way.builder != "__main__":
-            return (
-                f"self.built({MODULE}.{way.builder}{''.join(f', {name}={value!r}' for name, value in way.arguments)})"
-            )
+            return f"self.built({', '.join(filter(None, (f'{MODULE}.{way.builder}', *way.calls)))})"
         return f"self.built({self.ways.setdefault(way, f'machine_{len(self.ways) + 1}')})"
 
     def texts(self, folder: Path) -> dict[str, str]:
@@ -183,11 +181,8 @@ def _class(spec: LeafSpec) -> list[str]:
 
 def _built(way: Way, folder: Path) -> str:
     """Return the source that builds a machine again, as it was when it was recorded."""
-    names = [f"{name}={value!r}" for name, value in way.arguments] + [
-        f"{name}=argument({name!r})" for name in way.missing
-    ]
-    given, (cls, _, method) = f"({', '.join(names)})", way.builder.partition(".")
-    called = f"{MODULE}.{way.builder}{given}" if not method else f"{MODULE}.{cls}().{method}{given}"
+    (made, given), (cls, _, method) = ("", "", *way.calls)[-2:], way.builder.partition(".")
+    called = f"{MODULE}.{way.builder}({given})" if not method else f"{MODULE}.{cls}({made}).{method}({given})"
     if way.returned:
         return called
     path = Path(os.path.relpath(way.file.resolve(), folder.resolve())).as_posix()

@@ -119,7 +119,8 @@ class _Reader:
                 assert isinstance(found, ContainerInfo), "a machine is one"
                 direct = variable == "self" or not name or (cls is None and variable in returned)
                 names = tuple(argument.arg for argument in missing)
-                found.way = Way(name or variable, self.file, found.span.line, (), names, direct, bool(name))
+                said = ", ".join(f"{each}=argument({each!r})" for each in names)
+                found.way = Way(name or variable, self.file, found.span.line, (said,), names, direct, bool(name))
                 for each in found.within():  # what isn't shown may be computed
                     for state in (each, *(child.state for child in each.added.values())):
                         state.issues = []

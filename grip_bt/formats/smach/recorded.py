@@ -64,7 +64,7 @@ class Recorder:
         return Record.model_validate_json(line) if line else Record(error="the recording process ended")
 
 
-def recorded_containers(file: Path, records: tuple[Record, Record], given: Given) -> list[ContainerInfo]:
+def recorded_containers(file: Path, records: tuple[Record, Record]) -> list[ContainerInfo]:
     """Return all containers of a file: those that were built, and those of the text that nothing has built."""
     chosen, second = _chosen(records[0]), _by_key(records[1])
     found, shapes = [], set[str]()
@@ -74,7 +74,7 @@ def recorded_containers(file: Path, records: tuple[Record, Record], given: Given
         shape = seen[0][1].shape + ("" if state.cls != state.kind else key.rpartition("#")[0])
         if shape not in shapes:  # what is built again, in a loop or of a class, is no second machine
             shapes.add(shape)
-            found.append(_container(file, seen, again, records[0], given))
+            found.append(_container(file, seen, again, records[0]))
     kinds = never_filled(read_source(file).tree)
     found = [c for c in found if c.added or c.cls == c.kind or c.cls not in kinds]
     parts = {id(c): {_identity(each) for each in c.within()[1:]} for c in found}
@@ -91,10 +91,15 @@ Seen = list[tuple[Run, Built]]
 
 
 def _by_key(record: Record) -> dict[str, dict[str, Seen]]:
+    """Return what each builder has seen of each machine, and then of others, which it makes only without that one."""
     found: dict[str, dict[str, Seen]] = defaultdict(lambda: defaultdict(list))
     for run in record.runs:
         for machine in run.machines:
             found[machine.key][run.builder].append((run, machine))
+    for builder, seen in (each for builders in found.values() for each in builders.items()):
+        beside = {machine.key for run, _ in seen for machine in run.machines}
+        runs = (run for run in record.runs if run.builder == builder)
+        seen += [(run, machine) for run in runs for machine in run.machines if machine.key not in beside]
     return found
 
 
@@ -114,16 +119,15 @@ def _variants(seen: Seen) -> int:
     return len({machine.shape for _, machine in seen})
 
 
-def _container(file: Path, seen: Seen, again: Seen | None, record: Record, given: Given) -> ContainerInfo:
+def _container(file: Path, seen: Seen, again: Seen | None, record: Record) -> ContainerInfo:
     run, machine = seen[0]
     doubts, made = list(_doubts(seen, again, record)), machine.state
-    arguments = {**given.get("", {}), **given.get(run.builder, {})} if machine.returned else {}
     builder = machine.variable if machine.variable and run.builder == "import" else run.builder
     made.way = Way(
         "__main__" if builder == "import" else builder,
         file,
         made.span.line if made.span.file == file else 0,
-        tuple(arguments.items()),
+        tuple(run.calls),
         tuple(run.missing),
         machine.returned or builder == machine.variable,
         builder != machine.variable,
@@ -147,14 +151,26 @@ def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[st
     if len(told) > _MOST_REASONS:
         yield f"and {len(told) - _MOST_REASONS} more like these", None
     if _variants(seen) > 1:
-        asked = {(t.what, t.file, t.line): t for run, _ in seen for t in run.asked}
-        for each in list(asked.values())[:_MOST_REASONS]:
+        for each in _deciding(seen)[:_MOST_REASONS]:
             text = f"is another machine by the answer to `{each.what}`, known only in a run; shown as for one of them"
             yield text, _span(each)
     elif any(run.unfinished for run, _ in seen) or any(r.unfinished for r in record.runs if r.builder == "import"):
-        yield "asks more than was tried of what is known only in a run", None
+        asked = list(dict.fromkeys(f"`{told.what}`" for run, _ in seen for told in run.asked))[:_MOST_REASONS]
+        yield f"asks more than was tried of what is known only in a run: {', '.join(asked)}", None
     elif not told and (again is None or {m.shape for _, m in again} != {m.shape for _, m in seen}):
         yield "was another machine when it was built again: something in it goes by chance", None
+
+
+def _deciding(seen: Seen) -> list[Told]:
+    """Return the questions that decide which machine is built: each run is compared with the one it parts from last."""
+    shapes, found = [machine.shape for _, machine in seen], dict[tuple[str, str, int], Told]()
+    for number, (run, _) in enumerate(seen):
+        alike = (os.path.commonprefix([run.answers, other.answers]) for other, _ in seen[:number])
+        parted = [(len(answers), at) for at, answers in enumerate(alike)]
+        at, before = max(parted, default=(len(run.asked), number))
+        if shapes[before] != shapes[number] and at < len(run.asked):
+            found.setdefault((run.asked[at].what, run.asked[at].file, run.asked[at].line), run.asked[at])
+    return list(found.values()) or [told for run, _ in seen for told in run.asked]
 
 
 def _span(told: Told) -> Span | None:

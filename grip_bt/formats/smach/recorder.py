@@ -278,11 +278,11 @@ class FileRecorder:
 
     def _built(self, builder: str, call: Callable[[], Any], given: list[bool]) -> Run:
         def work() -> Run:
-            self._missing = list[str]()
+            self._missing, self._calls = list[str](), list[str]()
             asking = Asking(given, self.job)
             recording = Recording(asking)
             run, result = self._run(builder, asking, recording, call)
-            run.missing, run.seconds = self._missing, seconds_used()
+            run.calls, run.missing, run.seconds = self._calls, self._missing, seconds_used()
             names = vars(sys.modules[module_name(self.file)])
             run.machines = list(
                 recording.machines(str(self.file), None if recording.caught is not None else result, names)
@@ -336,6 +336,8 @@ class FileRecorder:
                 bound.arguments[name] = _argument(parameter)
                 if name not in self._missing:
                     self._missing.append(name)
+        said = (f"{n}={given[n]!r}" if n in given else f"{n}=argument({n!r})" for n in bound.arguments)
+        self._calls.append(", ".join(said))
         return function(*bound.args, **bound.kwargs)
 
 
@@ -431,6 +433,7 @@ def record(job: Job, warm: WarmProcesses) -> Record:
         first = next(iter(told.runs), Run(builder="import", stopped=True))
         for run in told.runs[1:]:  # what the import went by, each machine goes by too
             run.told, run.asked = first.told + run.told, first.asked + run.asked
+            run.answers = first.answers + run.answers
         for file in told.compiled:  # here, once for all that come
             with suppress(Exception):  # what its child has told of already
                 _code(file)

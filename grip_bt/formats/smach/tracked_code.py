@@ -97,6 +97,8 @@ def _is(left: object, right: object) -> bool:
             held = value_of(one)
             if held is not stand_ins.UNKNOWN:
                 return asked_once(one, name_of(one), held is value_of(other), other)
+            if other is None and type(one) is not StandIn:  # made by calling a class
+                return False
             if other is None or isinstance(other, bool):
                 same = asked_once(one, f"{name_of(one)} is {other!r}", False)
                 if same:
@@ -185,10 +187,6 @@ def _getattr(value: Any, name: Any, *default: Any) -> Any:
     return getattr(value, name, *default)
 
 
-def _setattr(value: Any, name: Any, new: Any) -> None:
-    setattr(value, _plain_text(name), new)
-
-
 def _plain_text(name: Any) -> Any:
     return str(name) if stands_in(name) else name
 
@@ -229,7 +227,7 @@ def _without_order(function: Callable[..., Any]) -> Callable[..., Any]:
 SPECIAL: dict[Any, Callable[..., Any]] = {
     hasattr: _hasattr,
     getattr: _getattr,
-    setattr: _setattr,
+    setattr: lambda value, name, new: setattr(value, _plain_text(name), new),
     isinstance: _isinstance,
     issubclass: _issubclass,
     callable: _callable,

@@ -7,6 +7,7 @@ about the fixed axes x, y and z, in this order; `rxyz` about those that turn alo
 from __future__ import annotations
 
 import sys
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -87,12 +88,7 @@ def concatenate_matrices(*matrices: _Array) -> _Array:
     return np.linalg.multi_dot([np.eye(4), np.eye(4), *matrices])
 
 
-def inverse_matrix(matrix: _Array) -> _Array:
-    return np.linalg.inv(matrix)
-
-
-def identity_matrix() -> _Array:
-    return np.eye(4)
+inverse_matrix, identity_matrix = np.linalg.inv, partial(np.eye, 4)
 
 
 def _matrix(rotation: _Array = None, translation: _Array = (0, 0, 0)) -> _Array:
@@ -148,27 +144,24 @@ class TransformListener:
             raise LookupException(str(error)) from None
 
     def _in(self, target: str, stamped: Any) -> Any:
-        header = stamped.header
+        """Return the matrix from the frame of what has one, and a new one in the target's."""
+        header, made = stamped.header, type(stamped)()
         move, turn = self._look(target, header.frame_id, header.stamp, 0.0)
-        return concatenate_matrices(translation_matrix(move), quaternion_matrix(turn))
+        made.header.frame_id, made.header.stamp = target, header.stamp
+        return concatenate_matrices(translation_matrix(move), quaternion_matrix(turn)), made
 
     def transformPoint(self, target_frame: str, ps: Any) -> Any:
-        moved = self._in(target_frame, ps) @ (ps.point.x, ps.point.y, ps.point.z, 1.0)
-        made = type(ps)()
-        made.header.frame_id, made.header.stamp = target_frame, ps.header.stamp
-        made.point.x, made.point.y, made.point.z = map(float, moved[:3])
+        there, made = self._in(target_frame, ps)
+        made.point.x, made.point.y, made.point.z = map(float, (there @ (ps.point.x, ps.point.y, ps.point.z, 1.0))[:3])
         return made
 
     def transformPose(self, target_frame: str, ps: Any) -> Any:
-        there, here = self._in(target_frame, ps), ps.pose
+        (there, made), here = self._in(target_frame, ps), ps.pose
         place = translation_matrix((here.position.x, here.position.y, here.position.z))
         turn = (here.orientation.x, here.orientation.y, here.orientation.z, here.orientation.w)
         moved = there @ place @ quaternion_matrix(turn)
-        made = type(ps)()
-        made.header.frame_id, made.header.stamp = target_frame, ps.header.stamp
         made.pose.position.x, made.pose.position.y, made.pose.position.z = map(float, moved[:3, 3])
-        turned = quaternion_from_matrix(moved)
-        for axis, value in zip("xyzw", turned, strict=True):
+        for axis, value in zip("xyzw", quaternion_from_matrix(moved), strict=True):
             setattr(made.pose.orientation, axis, float(value))
         return made
 

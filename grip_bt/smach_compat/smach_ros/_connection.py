@@ -118,11 +118,7 @@ def with_optional_node(init: Callable[..., None]) -> Callable[..., None]:
     return taking
 
 
-_MESSAGES = {
-    "SmachContainerStatus": "Status",
-    "SmachContainerStructure": "Structure",
-    "SmachContainerInitialStatusCmd": "Command",
-}
+_MESSAGES = {f"SmachContainer{name}": name for name in ("Status", "Structure", "InitialStatusCmd")}
 
 
 class _Messages(ModuleType):

@@ -323,14 +323,10 @@ class Ros:
         return _MESSAGES
 
 
-def _smach_message(name: str) -> type:
-    return type(name, (SimpleNamespace,), {})
-
-
 _MESSAGES = SimpleNamespace(
-    Status=_smach_message("SmachContainerStatus"),
-    Structure=_smach_message("SmachContainerStructure"),
-    Command=_smach_message("SmachContainerInitialStatusCmd"),
+    Status=type("SmachContainerStatus", (SimpleNamespace,), {}),
+    Structure=type("SmachContainerStructure", (SimpleNamespace,), {}),
+    InitialStatusCmd=type("SmachContainerInitialStatusCmd", (SimpleNamespace,), {}),
     header=lambda: None,
     packed=bytes,
     unpacked=bytes,

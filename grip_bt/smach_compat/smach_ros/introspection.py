@@ -72,7 +72,7 @@ class IntrospectionClient:
         if data and timeout is not None and not settings.unpickle_userdata:
             raise GripError(f"The answer of {server!r} can't be compared with the userdata: {_REFUSED}")
         messages = ros().introspection()
-        command = messages.Command(
+        command = messages.InitialStatusCmd(
             path=path, initial_states=list(initial_states), local_data=messages.packed(_pickled(data))
         )
         confirmed = threading.Event()
@@ -85,7 +85,7 @@ class IntrospectionClient:
                     confirmed.set()
 
         status = ros().subscribe(server + STATUS_TOPIC, messages.Status, hear)
-        init = ros().advertise(server + INIT_TOPIC, messages.Command)
+        init = ros().advertise(server + INIT_TOPIC, messages.InitialStatusCmd)
         try:
             init.publish(command)
             return None if timeout is None else self._until(confirmed, lambda: init.publish(command), timeout)
@@ -114,7 +114,7 @@ class ContainerProxy:
         self._stopped = threading.Event()
         self._structure = ros().advertise(server_name + STRUCTURE_TOPIC, self._messages.Structure)
         self._status = ros().advertise(server_name + STATUS_TOPIC, self._messages.Status)
-        self._init = ros().subscribe(server_name + INIT_TOPIC, self._messages.Command, self._init_cmd_cb)
+        self._init = ros().subscribe(server_name + INIT_TOPIC, self._messages.InitialStatusCmd, self._init_cmd_cb)
         self._beat = threading.Thread(target=self._beats, name=f"{server_name}:introspection {path}", daemon=True)
         container.register_transition_cb(self._transition_cb)
 

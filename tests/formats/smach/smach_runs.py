@@ -104,7 +104,7 @@ def build_legacy(imported, name):
     assert task.name == name
     if way.returned:
         made = getattr(legacy, way.builder)
-        return made(**dict(way.arguments)) if way.called else made
+        return eval(f"made({way.calls[-1]})", {"made": made}) if way.called else made
     code = run_as_main(way.file) if way.builder == "__main__" else getattr(legacy, way.builder)
     return built_in(way.file, way.line, code, way.number)
 

@@ -311,3 +311,77 @@ def test_a_report_on_many_files_begins_with_totals_and_says_each_thing_once(caps
     assert out.count("preview of the text: whether") == 1
     assert out.count("to do:") == 1
     assert "ast." not in out
+
+
+TWO_WAYS = """import rospy, smach
+
+BIG = rospy.get_param('~size') > 3
+
+class Go(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=['there'])
+
+def machine(label):
+    made = smach.StateMachine(['there'])
+    with made:
+        smach.StateMachine.add(label, Go())
+    return made
+
+"""
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "if BIG:\n    sm = smach.StateMachine(['there'])\n    with sm:\n        smach.StateMachine.add('A', Go())\n"
+        "else:\n    sm = smach.StateMachine(['there'])\n    with sm:\n        smach.StateMachine.add('B', Go())\n",
+        "def build():\n    if BIG:\n        made = smach.StateMachine(['there'])\n        label = 'A'\n    else:\n"
+        "        made = smach.StateMachine(['there'])\n        label = 'B'\n    with made:\n"
+        "        smach.StateMachine.add(label, Go())\n    return made\n",
+    ],
+)
+def test_a_machine_that_is_made_only_without_another_isnt_exact(code, tmp_path):
+    for given, expected in [({}, ["partial", "partial"]), ({"ROS parameter ~size": 5}, ["exact"])]:
+        found = recorded(tmp_path, TWO_WAYS.split("def machine")[0] + code, given={"": given})
+        assert [verdict for verdict in verdicts(found) if verdict != "failed"] == expected
+
+
+def test_one_that_a_function_makes_whatever_is_asked_elsewhere_is_exact(tmp_path):
+    code = "def one():\n    return machine('A')\n\ndef two():\n    return machine('B')\n\nbuild = one if BIG else two\n"
+    assert set(verdicts(recorded(tmp_path, TWO_WAYS + code))) == {"exact"}
+
+
+def test_a_message_is_never_none(tmp_path):
+    code = "made = machine('A' if rospy.Duration(2) is None or rospy.Duration(2) == None else 'B')\n"
+    (found,) = recorded(tmp_path, TWO_WAYS.replace("BIG = ", "#") + code).containers
+    assert (list(found.added), found.verdict) == (["B"], "exact")
+
+
+METHOD = """import smach
+
+class Go(smach.State):
+    def __init__(self, name):
+        smach.State.__init__(self, outcomes=['there'])
+
+class Maker:
+    def __init__(self, robot):
+        self.robot = robot
+
+    def build(self, rooms):
+        made = smach.StateMachine(['there'])
+        with made:
+            for number, room in enumerate(rooms):
+                last = number == len(rooms) - 1
+                smach.StateMachine.add(room, Go(self.robot), {'there': 'there' if last else rooms[number + 1]})
+        return made
+"""
+
+
+def test_what_a_method_and_its_class_are_given_is_written_where_each_takes_it(tmp_path):
+    file = tmp_path / "maker.py"
+    file.write_text(METHOD)
+    given = {"": {"robot": "hero", "unused name": 3}, "Maker.build": {"rooms": ["HALL", "YARD"]}}
+    imported, paths = write_recorded(file, tmp_path / "out", given=given)
+    assert verdicts(imported) == ["exact"]
+    text = imported.leaves.texts(tmp_path)["leaves.py"]
+    assert "legacy.Maker(robot='hero').build(rooms=['HALL', 'YARD'])" in text
