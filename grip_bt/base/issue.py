@@ -49,13 +49,13 @@ class Issue:
         return asdict(self)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Report:
     """All issues of a task, in the order of its text (without a document: of its nodes)."""
 
     issues: tuple[Issue, ...]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         return "\n".join(map(str, self.issues)) or "nothing is wrong"
 
     @property

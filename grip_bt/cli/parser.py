@@ -12,6 +12,7 @@ from grip_bt.base.errors import nearest
 
 _T = TypeVar("_T")
 Reader = Callable[[str], _T]
+_STRANGE = "unrecognized arguments: "
 _CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)$")
 
 STAND_INS = "stand in for packages, arguments, services and actions that are missing, and name them"
@@ -67,11 +68,13 @@ def whole(least: int, most: int | None = None, what: str = "a whole number") -> 
 
 
 class Parser(argparse.ArgumentParser):
-    """argparse's parser; a word that isn't one of the choices is answered with the nearest one."""
+    """argparse's parser; a word that isn't one of the choices or options is answered with the nearest one."""
 
     def error(self, message: str) -> NoReturn:
         """End the program with exit status 2; in the words of argparse, and the nearest choice."""
         if found := _CHOICE.search(message):
             word, choices = found.groups()
             message += nearest(word, [choice.strip("' ") for choice in choices.split(",")])
+        elif message.startswith(_STRANGE):
+            message += nearest(message.removeprefix(_STRANGE).split("=")[0].split()[0], self._option_string_actions)
         super().error(message)

@@ -153,7 +153,9 @@ def run_verb(arguments: Sequence[str] | None) -> int:
 def _done(arguments: Sequence[str] | None) -> int:
     try:
         words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
-        args = make_parser(words).parse_args(words)
+        args, strange = make_parser(words).parse_known_args(words)
+        if strange:
+            args.usage_error(f"unrecognized arguments: {' '.join(strange)}")
     except SystemExit:
         sys.stdout.flush()  # the help, which argparse has printed
         raise

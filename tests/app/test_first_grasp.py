@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.first_motions import first_grasp
 from grip_bt.app.project.folder import find_project, make_project
 from grip_bt.app.project.new_robot import new_robot
 from grip_bt.app.runs.execute import run
+from grip_bt.commanders.description.load import load_robot
 from grip_bt.task.document import read
 from grip_bt.task.validation import validate
 from grip_sim.worlds import load_world
@@ -33,6 +36,16 @@ def test_two_fingers_get_a_block_and_more_a_can_in_a_task_without_problems(robot
     assert list(validate(document.task, catalogue_of(project), document).issues) == []
     place = document.task.data["place"].value
     assert abs(place["position"][0] - there.position[0]) + abs(place["position"][1] - there.position[1]) < 0.1
+
+
+def test_an_arm_that_rests_in_another_state_than_home_takes_something_too():
+    robot = load_robot("ur5_gripper")
+    states = {
+        group: {"ready" if n == "home" else n: q for n, q in of.items()} for group, of in robot.named_states.items()
+    }
+    files = first_grasp(replace(robot, named_states=states), str)
+    assert "state: ready" in files["tasks/take.yaml"]
+    assert first_grasp(replace(robot, named_states={}), str) == {}
 
 
 @pytest.mark.parametrize(("robot", "world"), [("allegro_right", "table"), ("ur5", "table")])

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.wiring import open as wiring
+from grip_bt.app.wiring.parts import Opening
+from grip_bt.base.errors import MissingPartError
 from grip_bt.cli.__main__ import main
 
 PROJECT = "grip: 1\nrobot: panda_allegro\narms: {right: {FIELDS}}\nhands: {right_hand: {HAND}}\nworld: table\n"
@@ -32,3 +38,19 @@ def test_it_is_told_before_anything_is_started(tmp_path, capsys, robot, fields, 
     for word in words:
         assert word in said.err, said
     assert "planner:" not in said.err  # the process that plans wasn't begun
+
+
+def test_ros_is_missed_before_a_simulator_is_started(tmp_path, monkeypatch):
+    def load_part(module, what, extra):
+        if module == "ros":
+            raise MissingPartError(what, f"pip install 'grip-bt[{extra}]'")
+        return SimpleNamespace(open_simulated=lambda *_: pytest.fail("it was started"))
+
+    monkeypatch.setattr(wiring, "load_part", load_part)
+    (tmp_path / "grip.yaml").write_text("grip: 1\nrobot: panda_allegro\nworld: table\n")
+    needs = ["arm/move_to", "component/propose"]
+    with (
+        pytest.raises(MissingPartError, match="ROS"),
+        wiring.open_resources(Opening(find_project(tmp_path)), needs, "sim"),
+    ):
+        pytest.fail("it was opened")

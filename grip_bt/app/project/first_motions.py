@@ -145,7 +145,7 @@ def first_grasp(robot: RobotDescription, name: Callable[[str], str]) -> dict[str
     """Return the files of a world and a task in which a hand takes something; none where no arm can.
 
     Args:
-        robot: with a state `home` of each arm.
+        robot: with a state `home` of each arm, or another one in which it rests.
         name: returns what a group is called in the project.
     """
     model, rest = RobotModel(robot), robot.at_rest
@@ -154,7 +154,8 @@ def first_grasp(robot: RobotDescription, name: Callable[[str], str]) -> dict[str
     for end in robot.end_effectors:
         arm, mine = end.parent_group, set(robot.hands.get(end.group, ()))
         fingers = [links for links in robot.finger_links.values() if set(links) & mine]
-        if not fingers or "home" not in robot.named_states.get(arm, {}):
+        state = next((name for name in RESTING if name in robot.named_states.get(arm, {})), None)
+        if not fingers or state is None:
             continue
         can = len(fingers) > 2
         middle = BESIDE_CAN if can else _between(model, arm, fingers)
@@ -170,6 +171,7 @@ def first_grasp(robot: RobotDescription, name: Callable[[str], str]) -> dict[str
             # Two fingers press by a force; more of them close to their torque limits.
             # One of several robots can't go out of the others' way.
             said["seen"] = ", max_hidden: 0.05" if len({e.parent_group for e in robot.end_effectors}) > 1 else ""
+            said["seen"] += f", state: {state}" if state != "home" else ""
             said |= {"arm": name(arm), "hand": name(end.group), "close": hand if can else f"{hand}, force: 10"}
             texts = {f: Template((_FILES / f).read_text("utf-8")).substitute(said) for f in ("bench.yaml", "take.yaml")}
             return {"worlds/bench.yaml": texts["bench.yaml"], "tasks/take.yaml": fmt(texts["take.yaml"], "take.yaml")}

@@ -54,17 +54,20 @@ def open_resources(
     if robot not in get_args(RobotKind):
         raise UnknownNameError("kind of robot", robot, get_args(RobotKind))
     project, asked, parts = opening.project, _parts_asked_for(own), Resources()
+    names = sorted(node.partition("/")[2] for node in {*needs, *asked} if node.startswith("component/"))
+    sensors = [n for n, s in sorted(project.file.sensors.items()) if f"sensor/{n}" in needs and s.topics]
+    asks_ros = bool(sensors) or any(node.startswith("ros/") for node in needs)
+    needs_robot = bool(asked & ROBOT) or any(_needs_robot(project, node) for node in needs)
+    # what isn't installed is said before anything is started
+    opens = backend_of(robot) if needs_robot and (robot == "fake" or project.file.robot is not None) else None
+    with_ros = load_part("ros", "ROS", "ros") if robot != "fake" and (names or asks_ros) else None
     with ExitStack() as stack:
         if not opening.equipment.lasting:
             stack.enter_context(opening.equipment)
-        needs_robot = bool(asked & ROBOT) or any(_needs_robot(project, node) for node in needs)
-        if needs_robot and (robot == "fake" or project.file.robot is not None):
-            parts = backend_of(robot)(opening, stack)
+        if opens is not None:
+            parts = opens(opening, stack)
         elif any(node.partition("/")[0] in _MOVING_NODES for node in needs):
             raise DocumentError(_NO_ROBOT, str(project.folder / "grip.yaml"))
-        names = sorted(node.partition("/")[2] for node in {*needs, *asked} if node.startswith("component/"))
-        sensors = [n for n, s in sorted(project.file.sensors.items()) if f"sensor/{n}" in needs and s.topics]
-        asks_ros = bool(sensors) or any(node.startswith("ros/") for node in needs)
         if robot == "fake":
             if names:
                 components = fake_components(project, names)
@@ -73,8 +76,8 @@ def open_resources(
             if asks_ros:
                 ros, made = fake_ros(project, sensors)
                 parts = replace(parts, ros=ros, sensors=made)
-        elif names or asks_ros:
-            of_ros = load_part("ros", "ROS", "ros").open_ros(opening, names, sensors, needs, stack)
+        elif with_ros is not None:
+            of_ros = with_ros.open_ros(opening, names, sensors, needs, stack)
             clock = of_ros.clock or parts.clock
             parts = replace(
                 parts,

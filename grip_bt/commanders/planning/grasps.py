@@ -113,7 +113,9 @@ class GraspSearch:
         What reached other candidates is tried first: their poses are much alike.
         """
         rng, start = np.random.default_rng(self._settings.seed), self._situation.start.ordered(chain.joints)
-        home = self._model.description.named_state(self._situation.group, "home").position
+        robot = self._model.description
+        own = robot.named_states.get(self._situation.group, {}).get("home")
+        home = np.array([robot.at_rest.get(j, 0.0) for j in chain.joints]) if own is None else own.position
         find, free, any_reached = solver(self._settings.kinematics), list[Array](), False
         for q in find(chain, Target(world_pose(grasp.pose)), rng, (start, home, *self._reached), _RESTARTS):
             any_reached = True
