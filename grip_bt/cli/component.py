@@ -181,7 +181,10 @@ def _run_test(args: argparse.Namespace) -> int:
     refuse(of_component(folder))
     stale = check([args.folder])
     project = find_project(folder).folder
-    begun = partial(progress, "interfaces")
+
+    def begun(package: str) -> None:
+        progress("interfaces", f"{package} is built now, once for all runs; this takes some seconds")
+
     with start_components(project, [component.name], folder=folder.parent, begun=begun) as components:
         built, ready, started = components.build_seconds, components.ready_seconds, time.perf_counter()
         operation = components.client(component.name).call({})

@@ -170,8 +170,8 @@ def first_grasp(robot: RobotDescription, name: Callable[[str], str]) -> dict[str
             said |= {key: getattr(found.pose, key).round(4).tolist() for key in ("position", "quaternion")}
             # Two fingers press by a force; more of them close to their torque limits.
             # One of several robots can't go out of the others' way.
-            said["seen"] = ", max_hidden: 0.05" if len({e.parent_group for e in robot.end_effectors}) > 1 else ""
-            said["seen"] += f", state: {state}" if state != "home" else ""
+            hidden = ", max_hidden: 0.05" if len({e.parent_group for e in robot.end_effectors}) > 1 else ""
+            said["seen"] = hidden + (f", state: {state}" if state != "home" else "")
             said |= {"arm": name(arm), "hand": name(end.group), "close": hand if can else f"{hand}, force: 10"}
             texts = {f: Template((_FILES / f).read_text("utf-8")).substitute(said) for f in ("bench.yaml", "take.yaml")}
             return {"worlds/bench.yaml": texts["bench.yaml"], "tasks/take.yaml": fmt(texts["take.yaml"], "take.yaml")}
