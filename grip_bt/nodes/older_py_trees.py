@@ -9,7 +9,7 @@ from functools import partial, wraps
 from typing import Any
 from unittest import mock
 
-from py_trees import behaviours, composites, decorators
+from py_trees import behaviours, composites, decorators, idioms
 from py_trees.behaviour import Behaviour
 from py_trees.common import OneShotPolicy, ParallelPolicy, Status
 
@@ -39,6 +39,7 @@ def older_calls() -> Iterator[None]:
     """Take the calls of older code too; those of today's mean what they mean."""
     with ExitStack() as patched:
         patched.enter_context(mock.patch.multiple(ParallelPolicy, create=True, **_POLICIES))
+        patched.enter_context(mock.patch.object(idioms, "oneshot", partial(_once, idioms.oneshot)))
         for module in (behaviours, composites, decorators):
             for cls in vars(module).values():
                 mine = isinstance(cls, type) and issubclass(cls, Behaviour) and cls.__module__ == module.__name__
@@ -53,6 +54,13 @@ def take_older_setups(root: Behaviour) -> None:
         needed = inspect.signature(each.setup).parameters.get("timeout")
         if needed is not None and needed.default is needed.empty:
             vars(each)["setup"] = partial(each.setup, timeout=_PATIENCE)
+
+
+def _once(original: Callable[..., Behaviour], *given: Any, **named: Any) -> Behaviour:
+    """Make the idiom as it is called today, or as it was: with the behaviour last."""
+    if given and not isinstance(given[0], Behaviour):
+        given, named = (), dict(zip(("name", "variable_name", "behaviour"), given, strict=False)) | named
+    return original(*given, **named)
 
 
 def _taking_both(cls: Any) -> Callable[..., None]:

@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from py_trees import behaviours, composites, decorators
+from py_trees import behaviours, composites, decorators, idioms
 from py_trees.behaviour import Behaviour
 from py_trees.common import OneShotPolicy, ParallelPolicy, Status
 
@@ -13,6 +13,7 @@ _NAMES: dict[str, Any] = {
     **vars(behaviours),
     **vars(composites),
     **vars(decorators),
+    "idioms": idioms,
     "ParallelPolicy": ParallelPolicy,
     "OneShotPolicy": OneShotPolicy,
     "Status": Status,
@@ -37,6 +38,8 @@ PAIRS = {
     "SetBlackboardVariable('k', 3)": "SetBlackboardVariable('SetBlackboardVariable', 'k', 3, True)",
     "CheckBlackboardVariableExists('k')": "CheckBlackboardVariableExists('CheckBlackboardVariableExists', 'k')",
     "CheckBlackboardVariableExists('n', 'k')": "CheckBlackboardVariableExists('n', 'k')",
+    "idioms.oneshot('n', 'k', Success('a'))": "idioms.oneshot(Success('a'), 'n', 'k')",
+    "idioms.oneshot(variable_name='k', behaviour=Success('a'))": "idioms.oneshot(Success('a'), variable_name='k')",
     "TickCounter(3)": "TickCounter('TickCounter', 3, Status.SUCCESS)",
     "Retry('r', Success('a'), 3)": "Retry('r', Success('a'), 3)",
 }

@@ -239,7 +239,7 @@ class FileRecorder:
         smach_compat.install(ros=False)  # states of smach_ros have stand-ins: recording never talks to ROS
         smach_compat.set_loggers(quiet, quiet, quiet, quiet)
         ros_stand_ins(self.finder, self.workspace)
-        sys.path[:] = [p for p in sys.path if p and not Path(p).is_relative_to(self.workspace.root)]
+        sys.path[:] = [path for path in sys.path if path and not _is_of(path, self.workspace)]
         self.modules = _TrackedFinder(self.workspace, self.finder)
         sys.meta_path.insert(2, self.modules)
         sys.meta_path.append(_Missing(self.finder))
@@ -369,6 +369,11 @@ def _where(error: BaseException) -> str:
     return place
 
 
+def _is_of(path: str, workspace: Workspace) -> bool:
+    """Tell whether a folder is one of a workspace's, and none of the libraries that may be installed in it."""
+    return "-packages" not in path and Path(path).is_relative_to(workspace.root)
+
+
 class _TrackedFinder(LegacyFinder):
     """Finds what is in the workspace, wherever the path leads there, and compiles it so that it is seen."""
 
@@ -380,12 +385,14 @@ class _TrackedFinder(LegacyFinder):
         top = fullname.partition(".")[0]
         if top in sys.stdlib_module_names or (path is None and (top in sys.modules or asked_by_a_library())):
             return None
+        if path and not any(_is_of(each, self.workspace) for each in path):
+            return None  # a part of a library
         if top in _ROS or top.endswith(_INTERFACES):  # never the real ones, nor a copy of smach_ros: they want a robot
             return self.finder.find_spec(fullname)
         found = super().find_spec(fullname, path, target)
         if found is None and path is None:
-            paths = [Path(p) for p in sys.path if isinstance(p, str) and p]
-            self.folders += [p for p in paths if p.is_relative_to(self.workspace.root) and p not in self.folders]
+            paths = (Path(p) for p in sys.path if isinstance(p, str) and _is_of(p, self.workspace))
+            self.folders += [path for path in paths if path not in self.folders]
             found = super().find_spec(fullname, path, target)
         if path is None:
             self.tried[fullname] = str(found.origin) if found is not None else ""

@@ -6,7 +6,9 @@ from smach_runs import record
 
 from grip_bt.formats.smach import sandbox
 from grip_bt.formats.smach.found import Run
+from grip_bt.formats.smach.recorder import _TrackedFinder
 from grip_bt.nodes.smach_source import workspace_of
+from grip_bt.nodes.stand_ins import StandInFinder
 
 LIBRARY = """
 import smach
@@ -75,3 +77,13 @@ def test_of_packages_of_one_name_a_files_own_counts(tmp_path):
         (tmp_path / copy / "node.py").touch()
     for copy in ("new", "old"):
         assert workspace_of(tmp_path / copy / "node.py", tmp_path).packages == {"walks": tmp_path / copy}
+
+
+def test_a_part_of_an_installed_library_is_no_legacy_code_wherever_it_is_installed(tmp_path):
+    folders = {name: tmp_path / name / "shelf" for name in ("own", "venv/site-packages")}
+    for folder in folders.values():
+        folder.mkdir(parents=True)
+        (folder / "books.py").write_text("")
+    finder = _TrackedFinder(workspace_of(tmp_path / "legacy.py", tmp_path), StandInFinder())
+    found = [finder.find_spec("shelf.books", [str(folder)]) is not None for folder in folders.values()]
+    assert found == [True, False]
