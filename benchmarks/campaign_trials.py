@@ -16,7 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from grip_bt.app.campaign.provenance import difference
+from grip_bt.app.campaign.results import difference
 from grip_bt.app.runs.execute import RunOptions
 from grip_bt.app.runs.supervisor import RunProcess, Supervisor
 

@@ -11,9 +11,8 @@ from pathlib import Path
 
 from grip_bt.app.campaign.cluster import run_on
 from grip_bt.app.campaign.file import Campaign, head_of, read_campaign
-from grip_bt.app.campaign.provenance import difference
 from grip_bt.app.campaign.report import as_csv, as_text, write_report
-from grip_bt.app.campaign.results import Results, TrialRow, alone, begin, read
+from grip_bt.app.campaign.results import Results, TrialRow, alone, begin, difference, read
 from grip_bt.app.campaign.statistics import reason, summary, wilson
 from grip_bt.app.campaign.trials import Trials, check
 from grip_bt.app.project.folder import Project, find_project

@@ -33,8 +33,7 @@ from .planning.requests import (
 )
 from .scene import PlanningScene
 from .settings import PlanningSettings
-from .steered_motion import SteeredMotion, Twist, velocity_of
-from .steering import HOLD, approaching, bounded, jogged
+from .steering import HOLD, SteeredMotion, Twist, approaching, bounded, jogged, velocity_of
 from .taught import TaughtStates
 from .trajectory.limits import Limits, refuse_beyond_limits
 

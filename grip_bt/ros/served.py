@@ -39,8 +39,8 @@ RATE = 50.0
 class Published:
     """What a thread of its own publishes until it is closed."""
 
-    def __init__(self, name: str):
-        self._closed = threading.Event()
+    def __init__(self, name: str, period: float):
+        self._closed, self._period = threading.Event(), period
         self._thread = threading.Thread(target=self._publish, name=name, daemon=True)
         self._thread.start()
 
@@ -48,9 +48,18 @@ class Published:
         self._closed.set()
         self._thread.join(2.0)
 
-    @abstractmethod
     def _publish(self) -> None:
-        """Publish until it is closed."""
+        due = time.monotonic()
+        while not self._closed.wait(max(0.0, due - time.monotonic())):
+            due = max(due + self._period, time.monotonic())
+            try:
+                self._once()
+            except GripError:
+                return  # what measures has ended; whoever runs it says so
+
+    @abstractmethod
+    def _once(self) -> None:
+        """Publish what there is now; called once a period, or as often as it can be."""
 
 
 class JointStatePublisher(Published):
@@ -62,19 +71,10 @@ class JointStatePublisher(Published):
     """
 
     def __init__(self, bus: Bus, topic: str, executors: Sequence[Measured], now: Callable[[], float] = time.time):
-        self._writer, self._executors, self._period, self._now = bus.writer(TYPE, topic), executors, 1 / RATE, now
-        super().__init__("grip_joint_states")
+        self._writer, self._executors, self._now = bus.writer(TYPE, topic), executors, now
+        super().__init__("grip_joint_states", 1 / RATE)
 
-    def _publish(self) -> None:
-        due = time.monotonic()
-        while not self._closed.wait(max(0.0, due - time.monotonic())):
-            due = max(due + self._period, time.monotonic())
-            try:
-                self._writer.publish(self._message())
-            except GripError:
-                return  # what measures has ended; whoever runs it says so
-
-    def _message(self) -> Message:
+    def _once(self) -> None:
         stamp, states = self._now(), [executor.state() for executor in self._executors]
         message = self._writer.type(header=header("", stamp))
         message.name = [name for state in states for name in state.names]
@@ -83,7 +83,7 @@ class JointStatePublisher(Published):
             known = [getattr(state, part) for state in states]
             if all(values is not None for values in known):
                 setattr(message, part, [float(value) for values in known for value in values])
-        return message
+        self._writer.publish(message)
 
 
 TOPICS = {
@@ -109,29 +109,22 @@ class CameraPublisher(Published):
     """
 
     def __init__(self, bus: Bus, name: str, camera: Camera, rate: float = 5.0, now: Callable[[], float] = time.time):
-        self._camera, self._period, self._now, self.frame = camera, 1 / rate, now, f"{name}_optical"
+        self._camera, self._now, self.frame = camera, now, f"{name}_optical"
         self.topics = {part: f"/{name}/{topic}" for part, (topic, _) in TOPICS.items()}
         self._writers = {part: bus.writer(TOPICS[part][1], topic) for part, topic in self.topics.items()}
         for writer in self._writers.values():
             writer.advertise()
-        super().__init__(f"grip_camera_{name}")
+        super().__init__(f"grip_camera_{name}", 1 / rate)
 
-    def _publish(self) -> None:
-        pause = 0.0
-        while not self._closed.wait(pause):
-            pause, began = self._period, time.monotonic()
-            wanted = [part for part, writer in self._writers.items() if writer.listeners()]
-            if not wanted:
-                continue
-            try:
-                stamp = self._now()
-                taken = self._camera.capture()
-                taken.wait()
-                self._send(taken.result(), stamp, wanted)
-            except GripError:
-                return  # the camera has ended; whoever runs it says so
+    def _once(self) -> None:
+        wanted = [part for part, writer in self._writers.items() if writer.listeners()]
+        if wanted:
+            began, stamp = time.monotonic(), self._now()
+            taken = self._camera.capture()
+            taken.wait()
+            self._send(taken.result(), stamp, wanted)
             took = time.monotonic() - began
-            pause = max(self._period - took, took / SHARE - took)
+            self._closed.wait(took / SHARE - took)
 
     def _send(self, taken: RgbdFrame, stamp: float, wanted: list[str]) -> None:
         info = replace(taken.depth.info, pose=Pose(frame=self.frame))
@@ -173,7 +166,7 @@ class RobotStatePublisher(Published):
         now: Callable[[], float] = time.time,
     ):
         ensure_package("tf2_msgs")
-        self._bus, self._executors, self._period, self._now = bus, executors, 1 / rate, now
+        self._bus, self._executors, self._now = bus, executors, now
         self._joints = [joint for joint in Tree.of(description.urdf).joints.values() if joint.movable]
         self._robot = description
         self._type, text = load_type("tf2_msgs/msg/TFMessage"), load_type("std_msgs/msg/String")
@@ -190,20 +183,15 @@ class RobotStatePublisher(Published):
             self._kept[1].publish(self._message(frames))
 
         bus.ask(begin)
-        super().__init__("grip_robot_state")
+        super().__init__("grip_robot_state", 1 / rate)
 
-    def _publish(self) -> None:
-        while not self._closed.wait(self._period):
-            try:
-                positions = dict(self._robot.at_rest)
-                for executor in self._executors:
-                    positions |= executor.state().as_mapping()
-            except GripError:
-                return  # what measures has ended; whoever runs it says so
-            there = self._robot.with_followers(positions)
-            poses = {joint.child: joint.pose(there.get(joint.name, 0.0)) for joint in self._joints}
-            message = self._message(poses)
-            self._bus.post(partial(self._moving.publish, message))
+    def _once(self) -> None:
+        positions = dict(self._robot.at_rest)
+        for executor in self._executors:
+            positions |= executor.state().as_mapping()
+        there = self._robot.with_followers(positions)
+        message = self._message({joint.child: joint.pose(there.get(joint.name, 0.0)) for joint in self._joints})
+        self._bus.post(partial(self._moving.publish, message))
 
     def _message(self, poses: Mapping[str, Pose]) -> Message:
         transforms, stamp = [], header("", self._now()).stamp
@@ -223,9 +211,8 @@ class ClockPublisher(Published):
     """
 
     def __init__(self, bus: Bus, now: Callable[[], float], rate: float = 100.0):
-        self._writer, self._now, self._period = bus.writer("rosgraph_msgs/msg/Clock", "/clock"), now, 1 / rate
-        super().__init__("grip_clock")
+        self._writer, self._now = bus.writer("rosgraph_msgs/msg/Clock", "/clock"), now
+        super().__init__("grip_clock", 1 / rate)
 
-    def _publish(self) -> None:
-        while not self._closed.wait(self._period):
-            self._writer.publish(self._writer.type(clock=header("", self._now()).stamp))
+    def _once(self) -> None:
+        self._writer.publish(self._writer.type(clock=header("", self._now()).stamp))

@@ -9,8 +9,7 @@ import pytest
 
 from grip_bt.app.campaign import cluster
 from grip_bt.app.campaign.file import read_campaign
-from grip_bt.app.campaign.provenance import digest_of
-from grip_bt.app.campaign.results import read
+from grip_bt.app.campaign.results import digest_of, read
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import Journal, JournalReader
 from grip_bt.runtime.journal_rows import take_over

@@ -18,8 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.campaign.file import Campaign, read_campaign
-from grip_bt.app.campaign.provenance import files_of
-from grip_bt.app.campaign.results import TrialRow, picture_of, pictures_of
+from grip_bt.app.campaign.results import TrialRow, files_of, picture_of, pictures_of
 from grip_bt.app.campaign.trials import WAKE, Seat, Trials
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError

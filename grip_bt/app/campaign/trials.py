@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.campaign.file import Campaign, Plain
-from grip_bt.app.campaign.provenance import difference, provenance
-from grip_bt.app.campaign.results import TrialRow, picture_of, pictures_of
+from grip_bt.app.campaign.results import TrialRow, difference, picture_of, pictures_of, provenance
 from grip_bt.app.campaign.statistics import wilson
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse

@@ -32,8 +32,7 @@ from ..planning.requests import (
     Situation,
 )
 from ..scene import PlanningScene
-from ..steered_motion import velocity_of
-from ..steering import jogged, steered
+from ..steering import jogged, steered, velocity_of
 from ..taught import TaughtStates
 from .joints import FakeExecutor
 
