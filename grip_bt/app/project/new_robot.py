@@ -20,7 +20,7 @@ from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.configurations import Configurations, configured_packages, is_configured
 from grip_bt.commanders.description.files import Finding, errors
 from grip_bt.commanders.description.from_files import Inspected
-from grip_bt.commanders.description.hints import is_launch_file
+from grip_bt.commanders.description.launched import is_launch_file
 from grip_bt.commanders.description.load import PROJECT, config_of, inspect_robot
 from grip_bt.commanders.description.packages import MANIFEST, ROBOTS, Packages, name_of_package, package_around
 from grip_bt.commanders.description.robot import RobotDescription

@@ -18,7 +18,7 @@ from .compose import in_one_world, namespaced, on_arm
 from .config import RobotConfig
 from .files import FileCache, Finding, errors, finding_of, note
 from .from_files import Inspected, load_single
-from .hints import is_launch_file, robot_of_launch
+from .launched import is_launch_file, robot_of_launch
 from .robot import RobotDescription
 
 PROJECT = "grip.yaml"
