@@ -4,7 +4,7 @@
   closures), `lockstep` (turns of a run and its simulated world), `context` (also: workers).
 * Stopping: `stopping` (also of ticks that don't end), `motion_end` (what was told to stop is measured to rest),
   `observers` (also: what the parent sees).
-* Journal: `journal` (the ticking thread, then the writer's, with `value_codec`) -> SQLite -> `journal_reader`.
+* Journal: `journal` (the ticking thread, then the writer's, with `base.value_codec`) -> SQLite -> `journal_reader`.
 * Control: `control` (over streams), `debugger` (with breakpoints).
 * Executing a recorded run again: `recording`, `re_execution`; `observers`: state beside the task.
 * Trees inside of SMACH machines: `smach_states`.

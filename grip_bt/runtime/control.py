@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TextIO, TypedDict
 
 from grip_bt.base.errors import ExpressionError, GripError, UnknownNameError
+from grip_bt.base.value_codec import preview
 
 from .result import RunResult
 from .runner import Runner
-from .value_codec import preview
 
 COMMANDS = ("pause", "resume", "step", "run_to", "break", "clear", "breakpoints", "inspect", "preempt", "fault", "stop")
 

@@ -26,10 +26,10 @@ from typing import Any
 import numpy as np
 
 from grip_bt.base.files import Closing
+from grip_bt.base.value_codec import encode, preview
 
 from .journal_events import MOST, checksum, packed
 from .journal_rows import JournalError, prepare_to_write, process_facts
-from .value_codec import encode, preview
 
 _log = logging.getLogger(__name__)
 

@@ -15,10 +15,10 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.files import Closing
+from grip_bt.base.value_codec import OpaqueValueError, decode
 
 from .journal_events import Event, Name, unpacked
 from .journal_rows import JournalError, Rows, is_there
-from .value_codec import OpaqueValueError, decode
 
 _ALL = 2**62
 _COLUMNS = "id, task_name, task_path, task_text, target, seed, started, ended, status, outcome"

@@ -10,10 +10,10 @@ from typing import Any, Protocol
 
 from grip_bt.base.errors import NodeError
 from grip_bt.base.ports import Clock
+from grip_bt.base.value_codec import snapshot
 from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime.journal import ENTER, ENTRIES, INTERRUPTED, LIMIT, DetailedEvent, RunLog
-from grip_bt.runtime.value_codec import snapshot
 
 
 class Recorder(Observer):

@@ -14,13 +14,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from numpy.typing import NDArray
-
 from grip_bt.base.errors import SimulatorLostError
 from grip_bt.base.files import Closing
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import InTurnOf
-from grip_sim.connection import Arrays, ClosedError, Reply, SimProcess, complete, end, pack, receive
+from grip_sim.connection import ClosedError, Reply, SimProcess, complete, end, pack, receive
 from grip_sim.specs import WorldSpec
 
 
@@ -151,25 +149,25 @@ class SimClient(Closing):
         """The process id."""
         return self._process.pid
 
-    def ask(self, call: str, /, arrays: Arrays | None = None, **fields: object) -> Reply:
+    def ask(self, call: str, /, **fields: object) -> Reply:
         """Call and wait for the answer, which comes within milliseconds.
 
         Raises:
             SimulatorLostError: the process has ended or doesn't answer.
             GripError: the simulator refused.
         """
-        return self._await(self._send({"call": call, **fields}, arrays, waited_for=True), ANSWER_TIME)
+        return self._await(self._send({"call": call, **fields}, waited_for=True), ANSWER_TIME)
 
     def request(self, call: str, /, **fields: object) -> Operation[Reply]:
         """Call something that advances no physics, without waiting."""
         operation = self._send({"call": call, **fields})
         return operation if self._in_turn is None else self._in_turn(operation, holds=True)
 
-    def move(self, call: str, /, arrays: Arrays | None = None, **fields: object) -> Operation[Reply]:
+    def move(self, call: str, /, **fields: object) -> Operation[Reply]:
         """Begin something that advances the physics; cancelling it stops that motion."""
         self.clock.begin()
         try:
-            operation = self._send({"call": call, **fields}, arrays, cancelable=True)
+            operation = self._send({"call": call, **fields}, cancelable=True)
         except BaseException:
             self.clock.end()
             raise
@@ -231,14 +229,13 @@ class SimClient(Closing):
     def _send(
         self,
         fields: dict[str, object],
-        arrays: Arrays | None = None,
         cancelable: bool = False,
         waited_for: bool = False,
     ) -> Operation[Reply]:
         with self._lock:
             self.sent += 1
             number = self.sent
-        message = pack({"id": number, **fields}, arrays)
+        message = pack({"id": number, **fields})
 
         def cancel() -> None:
             self._send({"call": "cancel", "motion": number})
@@ -267,7 +264,7 @@ class SimClient(Closing):
                     with self._lock:
                         if self._pending:
                             raise ClosedError(f"it said nothing for {SILENCE:.0f} s")
-                self._answered(*receive(self._connection))
+                self._answered(receive(self._connection))
         except ClosedError as reason:
             self._hang_up()
             status = self._process.end(CLOSE_TIME)
@@ -275,9 +272,9 @@ class SimClient(Closing):
             message = f"the simulator's process {self.pid} is gone ({reason}; exit status {status}). {said}"
             self._lose(SimulatorLostError(message.strip()))
 
-    def _answered(self, fields: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
+    def _answered(self, fields: dict[str, Any]) -> None:
         self.clock.told(fields["time"])
-        reply = Reply(fields, arrays, self.clock.now())
+        reply = Reply(fields, self.clock.now())
         with self._lock:
             operation, waited_for = self._pending.pop(fields["id"], (None, False))
             if operation is not None and not waited_for:

@@ -5,9 +5,7 @@ Nothing is pickled, so nothing that is received can run.
 
 from __future__ import annotations
 
-import json
 import logging
-import math
 import socket
 import struct
 import subprocess
@@ -17,60 +15,38 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.operation import Operation
+from grip_bt.base.value_codec import decode, encode
 
-Arrays = Mapping[str, NDArray[Any]]
 LARGEST = 64 << 20
 """Largest message [bytes]."""
-_LENGTHS = struct.Struct("!II")
-_KINDS = "biufc"
+_LENGTH = struct.Struct("!I")
 
 
 class ClosedError(Exception):
     """The other end is gone, or says what nobody understands."""
 
 
-def pack(fields: Mapping[str, object], arrays: Arrays | None = None) -> bytes:
-    """Return one message.
-
-    Raises:
-        TypeError: an array doesn't hold plain numbers, or a field isn't JSON data.
-        ValueError: the message is too large.
-    """
-    blocks = {name: np.asarray(array) for name, array in (arrays or {}).items()}
-    for name, block in blocks.items():
-        if block.dtype.kind not in _KINDS:
-            raise TypeError(f"array {name!r} holds {block.dtype}; only plain numbers can be sent")
-    shapes = [[name, block.dtype.str, block.shape] for name, block in blocks.items()]
-    header = json.dumps({"fields": fields, "arrays": shapes}).encode()
-    size = len(header) + sum(block.nbytes for block in blocks.values())
-    if size > LARGEST:
-        raise ValueError(f"a message of {size} bytes; at most {LARGEST} can be sent")
-    body = b"".join(block.tobytes() for block in blocks.values())
-    return _LENGTHS.pack(len(header), len(body)) + header + body
+def pack(message: Mapping[str, object]) -> bytes:
+    """Return one message, as `grip_bt.base.value_codec` writes it; ValueError where it is too large."""
+    content = encode(dict(message))
+    if len(content) > LARGEST:
+        raise ValueError(f"a message of {len(content)} bytes; at most {LARGEST} can be sent")
+    return _LENGTH.pack(len(content)) + content
 
 
-def receive(connection: socket.socket) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Wait for a message; return its fields and read-only arrays. Raises ClosedError where the other end is gone."""
-    header_length, body_length = _LENGTHS.unpack(_exactly(connection, _LENGTHS.size))
-    if header_length + body_length > LARGEST:
-        raise ClosedError(f"a message of {header_length + body_length} bytes")
-    header, body = _exactly(connection, header_length), _exactly(connection, body_length)
-    arrays, offset = dict[str, NDArray[Any]](), 0
+def receive(connection: socket.socket) -> dict[str, Any]:
+    """Wait for a message; return what it says, arrays read-only. Raises ClosedError where the other end is gone."""
+    (length,) = _LENGTH.unpack(_exactly(connection, _LENGTH.size))
+    if length > LARGEST:
+        raise ClosedError(f"a message of {length} bytes")
     try:
-        content = json.loads(header)
-        for name, dtype, shape in content["arrays"]:
-            arrays[name] = np.frombuffer(body, np.dtype(dtype), math.prod(shape), offset).reshape(shape)
-            offset += arrays[name].nbytes
-        return dict(content["fields"]), arrays
-    except (ValueError, KeyError, TypeError) as error:
-        raise ClosedError(f"a message that can't be read: {error!r}") from None
+        return dict(decode(_exactly(connection, length)))
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError, GripError) as error:
+        raise ClosedError(f"a message that can't be read: {error}") from None
 
 
 def _exactly(connection: socket.socket, count: int) -> bytes:
@@ -93,10 +69,9 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Reply:
-    """An answer of the simulator: JSON data, arrays, when it arrived on the run's clock [s]."""
+    """An answer of the simulator: what it says, and when it arrived on the run's clock [s]."""
 
     fields: Mapping[str, Any]
-    arrays: Mapping[str, NDArray[Any]]
     time: float
 
 

@@ -24,7 +24,7 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.trajectory.stopping import even_ramp
 from grip_sim.cameras.rig import Film
-from grip_sim.connection import Arrays, ClosedError, pack, receive
+from grip_sim.connection import ClosedError, pack, receive
 from grip_sim.faults import Fault
 from grip_sim.motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
 from grip_sim.referee import judge
@@ -41,7 +41,7 @@ that until which the world goes."""
 SILENT = frozenset({"follow", "move_hand", "wait", "go", "stand", "go_freely"})
 """Calls that aren't answered at once: motions are when they end, and what is said of turns never is."""
 Answer = Mapping[str, object]
-"""What is said, arrays among it."""
+"""What is said, as `grip_bt.base.value_codec` writes it."""
 _LOOSE = -(1 << 40)
 """The number of the motion that brakes joints which nothing drives; no call has it."""
 
@@ -78,7 +78,7 @@ class Server:
                 if self._hold in ready:
                     self._hold_for_good()
                 elif ready:
-                    self._obey(*receive(self._connection))
+                    self._obey(receive(self._connection))
                 elif self._stands:
                     self._send({"id": 0})
                 elif self._motions or self._going:
@@ -137,12 +137,12 @@ class Server:
         (name,) = self.world.robot.measure(np.array([row])).names
         return f"{name} moves at {speeds[row]:.2f} rad/s{', in a world that is paused' if self._frozen else ''}"
 
-    def _obey(self, fields: dict[str, Any], arrays: Arrays) -> None:
+    def _obey(self, fields: dict[str, Any]) -> None:
         number, call = fields.pop("id"), fields.pop("call")
         answer: Answer | None
         try:
             if (handler := getattr(self, f"_call_{call}", None)) is not None:
-                answer = handler(number, **fields, **arrays)
+                answer = handler(number, **fields)
             elif call in ASKED:
                 answer = ASKED[call](self.world)
             else:
@@ -214,9 +214,7 @@ class Server:
         self._motions[-abs(number)] = motion
 
     def _send(self, said: Answer) -> None:
-        arrays = {name: each for name, each in said.items() if isinstance(each, np.ndarray)}
-        fields = {name: each for name, each in said.items() if name not in arrays}
-        self._connection.sendall(pack({"time": self.world.time, **fields}, arrays))
+        self._connection.sendall(pack({"time": self.world.time, **said}))
 
     # --- what may be called: `_call_` and the name of the call ---
 
@@ -366,7 +364,7 @@ class Server:
         self.world.faults.entered(node)
         self._tell_faults()
 
-    def _call_put_back(self, number: int, cancel: bool, **kept: Array) -> None:
+    def _call_put_back(self, number: int, kept: dict[str, Array], cancel: bool) -> None:
         moving = [number for number, motion in self._motions.items() if motion.rows.size]
         if moving and not cancel:
             raise GripError("a world can only be restored while nothing moves")
@@ -383,7 +381,7 @@ ASKED: Mapping[str, Callable[[World], Answer]] = {
     "truth": lambda world: {"truth": [verdict.to_json() for verdict in judge(world)]},
     "measures": lambda world: {"measures": world.measures()},
     "fingerprint": lambda world: {"fingerprint": world.fingerprint()},
-    "kept": World.kept,
+    "kept": lambda world: {"kept": world.kept()},
 }
 """Calls that only ask the world."""
 
@@ -395,7 +393,7 @@ def main() -> int:
         signal.signal(number, signal.SIG_IGN)
     connection = socket.socket(fileno=int(sys.argv[1]))
     try:
-        fields, _ = receive(connection)
+        fields = receive(connection)
         hold = socket.socket(fileno=int(sys.argv[2])) if len(sys.argv) > 2 else None
         gc.freeze()  # what was imported is never looked through again
         server = Server(connection, WorldSpec.from_json(fields["spec"]), fields["pace"], hold)

@@ -27,9 +27,8 @@ _log = logging.getLogger(__name__)
 
 
 def _state(reply: Reply) -> JointState:
-    arrays = reply.arrays
-    names = tuple(reply.fields["names"])
-    return JointState(names, arrays["position"], arrays["velocity"], arrays["effort"], reply.time)
+    said = reply.fields
+    return JointState(tuple(said["names"]), said["position"], said["velocity"], said["effort"], reply.time)
 
 
 def _measured(operation: Operation[Reply]) -> Operation[JointState]:
@@ -58,7 +57,7 @@ class SimExecutor(_Joints):
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """See the port. Raises ValueError where it isn't for these joints, or holds what isn't a number."""
-        return _measured(self._client.move("follow", self._arrays(trajectory), names=list(self._names)))
+        return _measured(self._client.move("follow", names=list(self._names), **self._arrays(trajectory)))
 
     execute_steered = execute
 
@@ -69,7 +68,7 @@ class SimExecutor(_Joints):
         arrays = self._arrays(tail)
         if "velocities" not in arrays:
             arrays["velocities"] = np.gradient(arrays["positions"], tail.times, axis=0)
-        return bool(self._client.ask("amend", arrays, names=list(self._names), at=at).fields["amended"])
+        return bool(self._client.ask("amend", names=list(self._names), at=at, **arrays).fields["amended"])
 
     def _arrays(self, trajectory: Trajectory) -> dict[str, Array]:
         if set(trajectory.names) != set(self._names):
@@ -95,7 +94,7 @@ class SimHand(_Joints):
         check_positive("a torque limit", 1.0 if torque_limit is None else torque_limit)
         check_positive("a force", 1.0 if force is None else force)
         said = {"names": list(self._names), "duration": duration, "limit": torque_limit, "force": force}
-        return _measured(self._client.move("move_hand", {"goal": goal}, **said))
+        return _measured(self._client.move("move_hand", goal=goal, **said))
 
     def contacts(self) -> Mapping[str, float]:
         return self._client.ask("feel", names=list(self._names), what="hand_contacts").fields["felt"]
@@ -126,8 +125,8 @@ class SimCamera:
 
     def _frame(self, reply: Reply) -> Operation[RgbdFrame]:
         time, info = reply.time - reply.fields["age"], replace(self._info, pose=_pose(reply))
-        image = Image(reply.arrays["image"], f"{self._name}_optical", time)
-        return Operation.finished(RgbdFrame(image, DepthImage(reply.arrays["depth"], info, time)))
+        image = Image(reply.fields["image"], f"{self._name}_optical", time)
+        return Operation.finished(RgbdFrame(image, DepthImage(reply.fields["depth"], info, time)))
 
 
 def _pose(reply: Reply) -> Pose:
@@ -241,7 +240,7 @@ class Simulation(SimClient):
 
     def kept(self) -> dict[str, Array]:
         """Return everything that moves in the world, and how, for `put_back` in another process."""
-        return dict(self.ask("kept").arrays)
+        return dict(self.ask("kept").fields["kept"])
 
     def put_back(self, kept: Mapping[str, Array], cancel: bool = False) -> None:
         """Bring everything to where it was kept.
@@ -252,7 +251,7 @@ class Simulation(SimClient):
         Raises:
             GripError: it was kept in another world, or something moves.
         """
-        self.ask("put_back", dict(kept), cancel=cancel)
+        self.ask("put_back", kept=dict(kept), cancel=cancel)
 
     def spawn(self, spec: ObjectSpec) -> None:
         """Add an object. Raises GripError where something has its name."""

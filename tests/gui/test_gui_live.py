@@ -15,11 +15,11 @@ from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.message_store.files import plain_of, text_of, value_of
+from grip_bt.base.value_codec import snapshot
 from grip_bt.base.values import JointState, Pose
 from grip_bt.ros.environment import own_domain
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
-from grip_bt.runtime.value_codec import snapshot
 from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.routes import form_of, source_of
 

@@ -16,13 +16,13 @@ from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.app.runs.motion_record import FINE, Bodies, coarse, motion_file
 from grip_bt.base.message_store.library import MessageLibrary
+from grip_bt.base.value_codec import snapshot
 from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
 from grip_bt.base.values.solids import CellMap, Mesh
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
-from grip_bt.runtime.value_codec import snapshot
 from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.routes import last_state, make_live_router, motion_of
 from grip_gui.processes import CommandRunner

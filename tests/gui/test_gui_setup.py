@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from played import TASK, TestClient
 
+from grip_bt.base.value_codec import snapshot
 from grip_bt.base.values import JointState, Pose
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
-from grip_bt.runtime.value_codec import snapshot
 from grip_gui.project import ProjectFolder
 from grip_gui.setup.routes import make
 from grip_gui.setup.settings_store import UnchangeableError, remove, rename, set_value

@@ -12,10 +12,10 @@ import pytest
 from numpy.typing import NDArray
 from played import TASK, TestClient
 
+from grip_bt.base.value_codec import snapshot
 from grip_bt.base.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
-from grip_bt.runtime.value_codec import snapshot
 from grip_gui.runs.journal import LARGEST, PLACES, POINTS, ROWS, cloud_view, drawn_cloud, drawn_depth, png, value_view
 
 

@@ -16,8 +16,8 @@ import pytest
 from runtime_world import TARGETS, Started, leaf
 
 from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.value_codec import preview
 from grip_bt.runtime import Journal, JournalError, JournalReader
-from grip_bt.runtime.value_codec import preview
 
 
 @pytest.fixture

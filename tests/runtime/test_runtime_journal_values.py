@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from timed import ManualClock
 
+from grip_bt.base.value_codec import DEEPEST, OpaqueValueError, decode, encode, snapshot
 from grip_bt.base.values import Failure, Grasp, Image, JointState, PointCloud, Pose
 from grip_bt.runtime import Journal, JournalError, JournalReader
 from grip_bt.runtime.observers import Recorder
-from grip_bt.runtime.value_codec import DEEPEST, OpaqueValueError, decode, encode, snapshot
 
 
 def random_value(rng: random.Random, depth: int = 3) -> Any:

@@ -11,6 +11,7 @@ from patience import PATIENCE
 from grip_bt.base.errors import GripError, SimulatorLostError
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError
 from grip_sim import client as client_module
+from grip_sim import connection
 from grip_sim.client import SimClient
 from grip_sim.connection import ClosedError, pack, receive
 from grip_sim.specs import WorldSpec
@@ -28,12 +29,12 @@ class Played:
         threading.Thread(target=self.make_world).start()
 
     def make_world(self):
-        fields, _ = self.asked()
+        fields = self.asked()
         self.spec = fields["spec"]
         self.answer(fields["id"])
 
-    def answer(self, number, /, arrays=None, **fields):
-        self.connection.sendall(pack({"time": 0.0, "id": number, **fields}, arrays))
+    def answer(self, number, /, **fields):
+        self.connection.sendall(pack({"time": 0.0, "id": number, **fields}))
 
     def asked(self):
         return receive(self.connection)
@@ -66,13 +67,13 @@ def ended(operation):
 
 def test_answers_go_to_whom_they_belong_in_any_order(client):
     one, two = client.request("a"), client.request("b")
-    first, second = client.played.asked()[0], client.played.asked()[0]
+    first, second = client.played.asked(), client.played.asked()
     assert (first["call"], second["call"]) == ("a", "b")
     client.played.answer(second["id"], said="two")
-    client.played.answer(first["id"], {"x": np.arange(3)}, said="one")
+    client.played.answer(first["id"], x=np.arange(3), said="one")
     assert ended(two).result().fields["said"] == "two"
     assert ended(one).result().fields["said"] == "one"
-    assert one.result().arrays["x"].tolist() == [0, 1, 2]
+    assert one.result().fields["x"].tolist() == [0, 1, 2]
 
 
 @pytest.mark.parametrize(
@@ -80,7 +81,7 @@ def test_answers_go_to_whom_they_belong_in_any_order(client):
 )
 def test_errors_end_an_operation_as_what_they_are(client, error, kind):
     operation = client.move("follow")
-    client.played.answer(client.played.asked()[0]["id"], error=error, message="why")
+    client.played.answer(client.played.asked()["id"], error=error, message="why")
     with pytest.raises(kind, match="why"):
         ended(operation).result()
 
@@ -89,12 +90,12 @@ def test_callbacks_may_ask_again_and_wait_for_the_answer(client):
     said = []
     operation = client.move("follow")
     operation.add_done_callback(lambda: said.append(client.ask("contacts").fields["contacts"]))
-    client.played.answer(client.played.asked()[0]["id"])
-    question = client.played.asked()[0]
+    client.played.answer(client.played.asked()["id"])
+    question = client.played.asked()
     assert question["call"] == "contacts"
     second = client.request("later")
     client.played.answer(question["id"], contacts={"tip": 1.0})
-    client.played.answer(client.played.asked()[0]["id"])
+    client.played.answer(client.played.asked()["id"])
     ended(second)
     assert said == [{"tip": 1.0}]
 
@@ -103,16 +104,16 @@ def test_a_callback_that_raises_keeps_no_other_operation_from_ending(client, cap
     one, two = client.request("a"), client.request("b")
     one.add_done_callback(lambda: 1 / 0)
     for _ in range(2):
-        client.played.answer(client.played.asked()[0]["id"])
+        client.played.answer(client.played.asked()["id"])
     ended(two)
     assert "ZeroDivisionError" in caplog.text
 
 
 def test_cancelling_asks_the_simulator_and_ends_when_it_says_so(client):
     operation = client.move("follow")
-    number = client.played.asked()[0]["id"]
+    number = client.played.asked()["id"]
     operation.cancel()
-    asked = client.played.asked()[0]
+    asked = client.played.asked()
     assert (asked["call"], asked["motion"]) == ("cancel", number)
     assert not operation.done()
     client.played.answer(number, error="canceled", message="stopped")
@@ -164,14 +165,14 @@ def test_a_callback_may_close(client):
     closed = threading.Event()
     operation = client.request("a")
     operation.add_done_callback(lambda: (client.close(), closed.set()))
-    client.played.answer(client.played.asked()[0]["id"])
+    client.played.answer(client.played.asked()["id"])
     assert closed.wait(PATIENCE)
 
 
 def test_an_answer_that_arrives_while_it_is_closed_ends_its_operation_all_the_same(client):
     operations = [client.request("a") for _ in range(200)]
     for _ in operations:
-        client.played.answer(client.played.asked()[0]["id"])
+        client.played.answer(client.played.asked()["id"])
     client.close()
     assert all(operation.wait(PATIENCE) for operation in operations)
 
@@ -179,19 +180,21 @@ def test_an_answer_that_arrives_while_it_is_closed_ends_its_operation_all_the_sa
 def test_full_pipes_in_both_directions_do_not_lock_each_other(client):
     big = {"x": np.zeros(1 << 20)}
     look = client.request("look")
-    asked = client.played.asked()[0]["id"]
-    sender = threading.Thread(target=lambda: client.move("follow", big))
+    asked = client.played.asked()["id"]
+    sender = threading.Thread(target=lambda: client.move("follow", **big))
     sender.start()  # fills the pipe to the simulator, which sends before it reads
-    client.played.answer(asked, big)
-    assert ended(look).result().arrays["x"].size == 1 << 20
+    client.played.answer(asked, **big)
+    assert ended(look).result().fields["x"].size == 1 << 20
     client.played.asked()
     sender.join(10)
     assert not sender.is_alive()
 
 
-def test_the_clock_stands_while_something_moves_and_goes_on_when_it_can_not_be_sent(client):
-    with pytest.raises(TypeError):
-        client.move("follow", {"x": np.array([{}])})
+def test_the_clock_stands_while_something_moves_and_goes_on_when_it_can_not_be_sent(client, monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setattr(connection, "LARGEST", 1000)
+        with pytest.raises(ValueError, match="can be sent"):
+            client.move("follow", x=np.zeros(1000))
     assert client.clock._moving == 0
     operation = client.move("follow")
     still = client.clock.now()

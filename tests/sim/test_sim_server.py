@@ -39,10 +39,10 @@ def answers(server, ends):
     got = {}
     while True:
         try:
-            fields, arrays = receive(ends[0])
+            fields = receive(ends[0])
         except ClosedError:
             return got
-        got[fields["id"]] = (fields, arrays)
+        got[fields["id"]] = fields
 
 
 def arm_way(server, by=0.5, duration=2.0):
@@ -82,15 +82,15 @@ def test_a_stop_takes_effect_within_20_ms_of_simulated_time_by_a_ramp(make_serve
         at_step(server, monkeypatch, step, look)
     at_step(server, monkeypatch, when, stop)
     at_step(server, monkeypatch, when + 240, lambda: ours.shutdown(socket.SHUT_WR))
-    ours.sendall(pack({"id": 1, "call": "follow", "names": ARM}, arm_way(server, 2.0)))
+    ours.sendall(pack({"id": 1, "call": "follow", "names": ARM, **arm_way(server, 2.0)}))
     ours.sendall(pack({"id": 3, "call": "wait", "seconds": 60.0}))
     got = answers(server, ends)
-    fields, arrays = got[1]
+    fields = got[1]
     limits = server.world.robot.accelerations(rows)
     needed = (np.abs(pace[0]) / limits).max()
     assert fields["error"] == "canceled"
     assert "data" not in fields or fields["data"] == {}
-    assert np.abs(arrays["velocity"]).max() < 0.05, "it is over when the joints are at rest"
+    assert np.abs(fields["velocity"]).max() < 0.05, "it is over when the joints are at rest"
     assert needed - 0.01 <= fields["time"] - asked[0] <= needed + 0.020 + 0.15
     moving = np.array(pace)
     assert (np.abs(moving[6]) < np.abs(moving[0])).all(), "braking has begun within 20 ms"
@@ -116,19 +116,19 @@ def test_a_wrong_call_is_refused_and_the_next_is_answered(make_server, ends, cal
     ours.sendall(pack({"id": 1, **call}) + pack({"id": 2, "call": "fingerprint"}))
     ours.shutdown(socket.SHUT_WR)
     got = answers(server, ends)
-    assert got[1][0]["error"] == "refused"
-    assert reason in got[1][0]["message"]
-    assert got[2][0]["fingerprint"] == server.world.fingerprint()
+    assert got[1]["error"] == "refused"
+    assert reason in got[1]["message"]
+    assert got[2]["fingerprint"] == server.world.fingerprint()
 
 
 def test_a_motion_that_makes_no_sense_does_not_end_the_one_under_way(make_server, ends, monkeypatch):
     server, ours = make_server(), ends[0]
     wrong = {"times": np.array([0.0, 1.0]), "positions": np.zeros(3)}
-    at_step(server, monkeypatch, 8, lambda: ours.sendall(pack({"id": 2, "call": "follow", "names": ARM}, wrong)))
+    at_step(server, monkeypatch, 8, lambda: ours.sendall(pack({"id": 2, "call": "follow", "names": ARM, **wrong})))
     at_step(server, monkeypatch, 40, lambda: ours.shutdown(socket.SHUT_WR))
-    ours.sendall(pack({"id": 1, "call": "follow", "names": ARM}, arm_way(server)))
+    ours.sendall(pack({"id": 1, "call": "follow", "names": ARM, **arm_way(server)}))
     got = answers(server, ends)
-    assert got[2][0]["error"] == "refused"
+    assert got[2]["error"] == "refused"
     assert 1 not in got  # still under way when the client went
 
 
@@ -138,7 +138,7 @@ def test_physics_stands_still_while_nothing_is_under_way(make_server, ends):
     for number in range(5):
         ours.sendall(pack({"id": number + 1, "call": "state", "names": ARM}))
     ours.shutdown(socket.SHUT_WR)
-    assert all(fields["time"] == 0 for fields, _ in answers(server, ends).values())
+    assert all(fields["time"] == 0 for fields in answers(server, ends).values())
     assert server.world.fingerprint() == before
 
 
@@ -182,14 +182,14 @@ def test_a_controller_that_aborts_ends_its_motion_and_the_client_is_told_why(end
     spec = replace(SPEC, faults={"stop": Fault(fault="abort", of="arm", at=0.5)})
     server = Server(ends[1], spec, None)
     way = arm_way(server)
-    ends[0].sendall(pack({"id": 1, "call": "follow", "names": ARM}, way))
+    ends[0].sendall(pack({"id": 1, "call": "follow", "names": ARM, **way}))
     ends[0].sendall(pack({"id": 2, "call": "wait", "seconds": 3.0}))
     got, told = {}, []
     ends[0].settimeout(None)
     thread = threading.Thread(target=server.serve)
     thread.start()
     while 2 not in got:
-        fields, _ = receive(ends[0])
+        fields = receive(ends[0])
         got[fields["id"]] = fields
         told += [fields["fault"]] if "fault" in fields else []
     ends[0].shutdown(socket.SHUT_WR)

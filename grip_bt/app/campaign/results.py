@@ -19,9 +19,9 @@ from grip_bt.app.campaign.file import Campaign, Plain
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import CampaignError, NotWritableError
 from grip_bt.base.files import replace_text
+from grip_bt.base.value_codec import encode
 from grip_bt.base.values import Plan
 from grip_bt.runtime import JournalReader
-from grip_bt.runtime.value_codec import encode
 
 _FORMAT = 1
 

@@ -12,13 +12,13 @@ from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import GripError, ResumeError, UnknownNameError, WrongTypeError
 from grip_bt.base.message_store import Entry, LocalMessages, MessageLibrary
 from grip_bt.base.ports import Clock
+from grip_bt.base.value_codec import encode, snapshot
 from grip_bt.compilers import CompiledMachine, CompiledTree
 from grip_bt.compilers.binding import parts_of
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Event, Journal, JournalReader, ReExecution, RunLog, WallClock
 from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.observers import KEPT, SideState
-from grip_bt.runtime.value_codec import encode, snapshot
 from grip_bt.task.catalog import Manifest, check_value
 
 SCENE, MESSAGES, WORLD, FAKES = "scene", "messages", "world", "fakes"

@@ -16,8 +16,8 @@ from grip_bt.app.wiring.parts import FakeState, Opening, OpenRobot, Progress, Re
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.message_store import LocalMessages, MessageLibrary, load, save
 from grip_bt.base.ports import Messages
+from grip_bt.base.value_codec import decode, encode
 from grip_bt.runtime import TreeRun
-from grip_bt.runtime.value_codec import decode, encode
 
 BACKENDS = {
     "fake": ("fake", "open_fakes", "motion"),

@@ -8,7 +8,7 @@ import pytest
 
 import grip_bt as grip
 from grip_bt.base.message_store import MessageLibrary, load
-from grip_bt.runtime.value_codec import decode
+from grip_bt.base.value_codec import decode
 
 POSES = "bin: {reference_frame: world, position: {x: 0.1, y: 0.2, z: 0.3}, orientation: {r: 0, p: 0, y: 0}}\n"
 
