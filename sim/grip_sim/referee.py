@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -21,8 +20,7 @@ BORNE = 0.05
 """What pushes an object up with more than this share of its weight bears it."""
 
 
-@dataclass(frozen=True, slots=True)
-class ObjectTruth:
+class ObjectTruth(NamedTuple):
     """Where an object is and in which state.
 
     Attributes:
@@ -39,18 +37,6 @@ class ObjectTruth:
     pose: Pose
     hand_force: float
     regions: tuple[str, ...] = ()
-
-    def to_json(self) -> dict[str, object]:
-        """Return it as JSON data."""
-        place = {"position": self.pose.position.tolist(), "quaternion": self.pose.quaternion.tolist()}
-        said = {"name": self.name, "status": self.status, "hand_force": self.hand_force}
-        return {**said, "regions": list(self.regions), **place}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> ObjectTruth:
-        """Return what `to_json` wrote."""
-        pose = Pose(data["position"], data["quaternion"])
-        return cls(data["name"], data["status"], pose, data["hand_force"], tuple(data["regions"]))
 
 
 def judge(world: World) -> tuple[ObjectTruth, ...]:

@@ -378,7 +378,7 @@ def _listed(pose: Pose) -> list[float]:
 
 
 ASKED: Mapping[str, Callable[[World], Answer]] = {
-    "truth": lambda world: {"truth": [verdict.to_json() for verdict in judge(world)]},
+    "truth": lambda world: {"truth": list(map(tuple, judge(world)))},
     "measures": lambda world: {"measures": world.measures()},
     "fingerprint": lambda world: {"fingerprint": world.fingerprint()},
     "kept": lambda world: {"kept": world.kept()},

@@ -142,7 +142,7 @@ class SimReferee:
 
     def truth(self) -> dict[str, ObjectTruth]:
         """Return the truth about each object, as it is now."""
-        verdicts = [ObjectTruth.from_json(data) for data in self._client.ask("truth").fields["truth"]]
+        verdicts = [ObjectTruth(*said) for said in self._client.ask("truth").fields["truth"]]
         return {verdict.name: verdict for verdict in verdicts}
 
     def measures(self) -> dict[str, float]:

@@ -10,7 +10,7 @@ from sim_bench import ABOVE, ASIDE, AT, SPOT
 
 from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
-from grip_sim.referee import ObjectTruth, judge
+from grip_sim.referee import judge
 from grip_sim.specs import ObjectSpec, WorldSpec
 
 pytestmark = pytest.mark.sim
@@ -112,13 +112,6 @@ def test_what_was_just_moved_out_of_the_hand_is_not_held_any_more(bench):
     truth = bench.truth()
     assert truth.hand_force == 0
     assert truth.status == "standing"
-
-
-def test_a_verdict_survives_the_way_through_json():
-    truth = ObjectTruth("a", "held", Pose([1, 2, 3], [0.5, 0.5, 0.5, 0.5]), 2.5)
-    again = ObjectTruth.from_json(truth.to_json())
-    assert (again.name, again.status, again.hand_force) == ("a", "held", 2.5)
-    assert again.pose == truth.pose
 
 
 def test_a_palm_is_of_the_hand_though_no_joint_of_the_hand_moves_it():
