@@ -20,6 +20,8 @@ from grip_bt.base.errors import listing, nearest
 
 Value: TypeAlias = Any
 """A value of a variable, a port or a parameter, of whatever type the document declares."""
+JsonObject: TypeAlias = Mapping[str, Any]
+"""An object of JSON, as it was read: an event or a command of another process, a row of results."""
 VALUES = (
     *("CameraInfo", "DepthImage", "Failure", "Grasp", "Image", "JointState", "PathConstraint", "Plan"),
     *("PointCloud", "Pose", "RgbdFrame", "Trajectory", "WayPoint"),

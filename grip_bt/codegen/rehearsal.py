@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.base.operation import Operation
+from grip_bt.base.types import JsonObject
 from grip_bt.task.catalog.catalog import load_implementation
 from grip_bt.task.catalog.manifest import read_manifests
 
@@ -25,8 +26,8 @@ class Ending:
     meaning: str
     code: str | None
     message: str
-    outputs: Mapping[str, Any]
-    request: Mapping[str, Any]
+    outputs: JsonObject
+    request: JsonObject
 
 
 class _Scripted:
@@ -38,9 +39,9 @@ class _Scripted:
         self.reply, self.feedback = reply, feedback
         self.request: dict[str, Any] = {}
 
-    def call(self, request: Mapping[str, object]) -> Operation[Mapping[str, Any]]:
+    def call(self, request: Mapping[str, object]) -> Operation[JsonObject]:
         self.request = dict(request)
-        operation: Operation[Mapping[str, Any]] = Operation()
+        operation: Operation[JsonObject] = Operation()
         operation.report(self.feedback)
         operation.succeed(self.reply)
         return operation

@@ -24,11 +24,12 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.types import JsonObject
 
 from .client.types import load_type
 from .interfaces.build import ensure_package
 
-Told = Callable[[Mapping[str, Any]], None]
+Told = Callable[[JsonObject], None]
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Order:
     """What a goal asks for; see grip_msgs/action/RunTask."""
 
     task: str
-    inputs: Mapping[str, Any]
+    inputs: JsonObject
     form: str
     robot: str
     seed: int
@@ -45,10 +46,10 @@ class Order:
 class RunningTask(Protocol):
     """A run in a process of its own."""
 
-    def send(self, command: Mapping[str, Any]) -> None:
+    def send(self, command: JsonObject) -> None:
         """Pass on `{"command": "pause"}`, `resume` or `stop`."""
 
-    def wait(self) -> Mapping[str, Any]:
+    def wait(self) -> JsonObject:
         """Return how it has ended."""
 
 
@@ -159,7 +160,7 @@ class TaskServer(LifecycleNode):
         self.stop()
         return CancelResponse.ACCEPT
 
-    def _hear(self, handle: Any, event: Mapping[str, Any]) -> None:
+    def _hear(self, handle: Any, event: JsonObject) -> None:
         match event:
             case {"event": "started", "run": run}:
                 self._tell(run=str(run), state="running")
@@ -206,7 +207,7 @@ class TaskServer(LifecycleNode):
 _FREE = ("idle", "success", "failure", "error", "stopped", "died")
 
 
-def _inputs(text: str) -> Mapping[str, Any]:
+def _inputs(text: str) -> JsonObject:
     try:
         found = json.loads(text) if text else {}
     except ValueError as error:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TextIO, TypedDict
 
 from grip_bt.base.errors import ExpressionError, GripError, UnknownNameError
+from grip_bt.base.types import JsonObject
 from grip_bt.base.value_codec import preview
 
 from .result import RunResult
@@ -51,9 +52,9 @@ class Control:
         self._commands, self._events, self._interrupt = commands, events, interrupt
         self._writing, self._lock = threading.RLock(), threading.RLock()
         self._runner: Runner | None = None
-        self._early: list[Mapping[str, Any]] = []
+        self._early: list[JsonObject] = []
         self._stopped = self.lost = False
-        self.order: queue.SimpleQueue[Mapping[str, Any] | None] = queue.SimpleQueue()
+        self.order: queue.SimpleQueue[JsonObject | None] = queue.SimpleQueue()
         """The line that says what is to be run after this, which ends the control of this run; None: nothing will."""
 
     def start(self) -> None:
@@ -154,14 +155,14 @@ class Control:
         self.stop(lost=True)
         self.order.put(None)
 
-    def _do(self, runner: Runner, command: Mapping[str, Any]) -> None:
+    def _do(self, runner: Runner, command: JsonObject) -> None:
         try:
             _ACTIONS[command["command"]](self, runner, command)
         except (GripError, LookupError, TypeError, ValueError, AttributeError) as error:
             said = str(error) if isinstance(error, GripError) else f"{command['command']}: {error!r}"
             self.send("refused", message=said, command=command["command"])
 
-    def _break(self, runner: Runner, command: Mapping[str, Any]) -> None:
+    def _break(self, runner: Runner, command: JsonObject) -> None:
         how = command.get("when") or "", command.get("outcome"), command.get("if") or ""
         self.send("breakpoint", **runner.debugger.set(_text(command, "node"), *how).facts())
 
@@ -173,7 +174,7 @@ class Control:
             at=None if held is None else vars(held),
         )
 
-    def _inspect(self, runner: Runner, command: Mapping[str, Any]) -> None:
+    def _inspect(self, runner: Runner, command: JsonObject) -> None:
         wanted = command.get("variable")
         data = runner.compiled.data.snapshot()
         if wanted is not None and all(name != wanted for _, name in data):
@@ -193,7 +194,7 @@ def _text(command: Mapping[str, object], key: str) -> str:
     return value
 
 
-_ACTIONS: dict[str, Callable[[Control, Runner, Mapping[str, Any]], object]] = {
+_ACTIONS: dict[str, Callable[[Control, Runner, JsonObject], object]] = {
     "pause": lambda control, runner, command: runner.pause(),
     "resume": lambda control, runner, command: runner.resume(),
     "step": lambda control, runner, command: runner.step(command.get("how") or "tick"),

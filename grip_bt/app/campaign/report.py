@@ -13,6 +13,7 @@ from typing import Any
 from grip_bt.app.campaign.results import Results, picture_of, pictures_of
 from grip_bt.app.campaign.statistics import reason, summary
 from grip_bt.base.errors import CampaignError, MissingPartError, NotWritableError
+from grip_bt.base.types import JsonObject
 
 PER_VARIANT = ("task sha256", "project sha256")
 """What may differ from variant to variant."""
@@ -60,12 +61,12 @@ def as_text(results: Results) -> str:
     return "\n".join(lines)
 
 
-def _rate_text(one: Mapping[str, Any]) -> str:
+def _rate_text(one: JsonObject) -> str:
     low, high = one["interval"]
     return f"{one['successes']} of {one['trials']} ({one['rate']:.0%}, {low:.0%} to {high:.0%})"
 
 
-def _comparison_text(pair: Mapping[str, Any]) -> str:
+def _comparison_text(pair: JsonObject) -> str:
     one, two = pair["first"], pair["second"]
     verdict = "a difference" if pair["holm"] < ALPHA else "no difference that these trials show"
     chance = f"{pair['test']}, p = {pair['p']:.3g}, by Holm {pair['holm']:.3g}: {verdict}"
@@ -77,7 +78,7 @@ def _comparison_text(pair: Mapping[str, Any]) -> str:
     return f"{one} and {two}, {pair['pairs']} pairs: {only} ({chance})."
 
 
-def _measure_text(measure: Mapping[str, Any] | None) -> str:
+def _measure_text(measure: JsonObject | None) -> str:
     if measure is None or not measure["of"]:
         return "-"
     if "true" in measure:

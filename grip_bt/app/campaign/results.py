@@ -19,6 +19,7 @@ from grip_bt.app.campaign.file import Campaign, Plain
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import CampaignError, NotWritableError
 from grip_bt.base.files import replace_text
+from grip_bt.base.types import JsonObject
 from grip_bt.base.value_codec import encode
 from grip_bt.base.values import Plan
 from grip_bt.runtime import JournalReader
@@ -67,7 +68,7 @@ class Results:
     """A file of results: its head (`name`, `doc`, `variants`: name -> settings), and trials in order of their ends."""
 
     path: Path
-    head: Mapping[str, Any]
+    head: JsonObject
     rows: list[TrialRow] = field(default_factory=list)
 
     @property
@@ -102,7 +103,7 @@ def alone(path: Path) -> Iterator[None]:
         yield
 
 
-def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
+def begin(path: Path, head: JsonObject, resume: bool) -> Results:
     """Open a file of results, written under this head, for more trials; with `resume`, those that are there stay.
 
     Raises:

@@ -8,7 +8,6 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
-from typing import Any
 
 from grip_bt.app.campaign.file import Campaign, Plain
 from grip_bt.app.campaign.results import TrialRow, difference, picture_of, pictures_of, provenance
@@ -23,6 +22,7 @@ from grip_bt.base.errors import EvaluationError, ExpressionError, nearest
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.files import Closing
+from grip_bt.base.types import JsonObject
 from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import JournalReader
 from grip_bt.runtime.control import RunEnd
@@ -184,7 +184,7 @@ class Trials:
             end |= {"status": "error"}
         return self.row(variant, seed, end, time.monotonic() - began, supervisor.started)
 
-    def row(self, variant: str, seed: int, end: RunEnd, wall: float, started: Mapping[str, Any] | None) -> TrialRow:
+    def row(self, variant: str, seed: int, end: RunEnd, wall: float, started: JsonObject | None) -> TrialRow:
         """Return a trial's row, see `judged`."""
         row = judged(self._campaign, end, wall, started)
         what = {"trial": f"{variant}@{seed}", "variant": variant, "seed": seed}

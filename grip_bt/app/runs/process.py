@@ -16,12 +16,13 @@ import sys
 import threading
 import traceback
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import GripError
 
 if TYPE_CHECKING:
     from grip_bt.app.wiring.equipment import Equipment
+    from grip_bt.base.types import JsonObject
     from grip_bt.runtime.control import Control
 
 EARLY = 130
@@ -44,7 +45,7 @@ def main() -> int:
     line = commands.readline()
     if not line:
         return 1  # who would have told us what to run has gone
-    order: Mapping[str, Any] | None = json.loads(line)
+    order: JsonObject | None = json.loads(line)
     from grip_bt.app.wiring.equipment import Equipment  # after the signals: importing takes a moment
     from grip_bt.runtime.control import Control
 
@@ -107,7 +108,7 @@ def _interrupted(*_: object) -> None:
     raise _StoppedEarlyError
 
 
-def _run(order: Mapping[str, Any], channels: dict[str, int], control: Control, equipment: Equipment) -> int:
+def _run(order: JsonObject, channels: dict[str, int], control: Control, equipment: Equipment) -> int:
     from grip_bt.compilers.binding import parts_of
     from grip_bt.runtime.observers import Heartbeat
 

@@ -20,12 +20,12 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any
 
 from grip_bt.app.runs.execute import OPTIONS, RunOptions
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import Closing
 from grip_bt.base.interpreter import how_ended, python_command
+from grip_bt.base.types import JsonObject
 from grip_bt.runtime import Journal, RunLog
 from grip_bt.runtime.control import RunEnd
 from grip_bt.runtime.motion_end import Rest
@@ -48,7 +48,7 @@ SINGLE = {"OPENBLAS_NUM_THREADS": "1"}
 """What a run's processes multiply is so small that a second thread only waits: it cost a network's answer seven times
 its CPU time. Who wants more for a component of their own sets it."""
 
-Told = Callable[[Mapping[str, Any]], None]
+Told = Callable[[JsonObject], None]
 
 
 class RunProcess(Closing):
@@ -156,7 +156,7 @@ class Supervisor:
         self._why = ""
         self._begun = time.monotonic()
         self._paths: list[str] = []
-        self._run: Mapping[str, Any] | None = None
+        self._run: JsonObject | None = None
         self._ended: RunEnd | None = None
         self._stood_still = self._simulated = False
         self._held: dict[str, str] = {}
@@ -177,7 +177,7 @@ class Supervisor:
         return self._process.child.pid
 
     @property
-    def started(self) -> Mapping[str, Any] | None:
+    def started(self) -> JsonObject | None:
         """The event `started`; None as long as nothing has begun."""
         return self._run
 
