@@ -94,10 +94,10 @@ MENDED = [
 """What vendors ship -> what it is called, what is said, and what becomes of it."""
 
 
-def inspected(folder, text=None, srdf=SRDF):
+def inspected(folder, text=None, srdf=SRDF, **more):
     (folder / "r.urdf").write_text(urdf() if text is None else text)
     (folder / "r.srdf").write_text(srdf)
-    return inspect_robot(RobotConfig(urdf="r.urdf", srdf="r.srdf"), folder)
+    return inspect_robot(RobotConfig(urdf="r.urdf", srdf="r.srdf", **more), folder)
 
 
 @pytest.mark.parametrize(("change", "code", "says"), URDF_FAULTS)
@@ -137,6 +137,19 @@ def test_a_link_without_inertia_gets_that_of_a_small_ball_and_it_is_told(tmp_pat
     (told,) = [f for f in found.findings if f.code == "no-inertia"]
     assert "those of a ball of its mass with a radius of 0.02 m are taken" in told.message
     assert f'ixx="{0.4 * 1 * 0.02**2!r}"' in found.description.urdf
+
+
+@pytest.mark.parametrize(("effort", "weak"), [(0.5, True), (80, False)])
+def test_efforts_that_cannot_move_the_robot_are_replaced_in_simulation_and_told(tmp_path, effort, weak):
+    text = urdf().replace('effort="80"', f'effort="{effort}"', 2)  # j1 and j2, which carry all the others
+    found = inspected(tmp_path, text)
+    told = [f.message for f in found.findings if f.code == "no-effort"]
+    assert bool(told) == weak
+    assert [found.description.drives[j].limit for j in ("j1", "j2", "j3")] == ([1000, 1000, 80] if weak else [80] * 3)
+    if weak:
+        assert "the efforts of joints j1, j2 can't accelerate what they carry" in told[0]
+    kept = inspected(tmp_path, text, drives={"manipulator": {"stiffness": 9, "damping": 1, "limit": effort / 2}})
+    assert kept.description.drives["j1"].limit == effort / 2
 
 
 def test_an_end_effector_of_a_group_that_is_not_there_is_left_out_and_told(tmp_path):

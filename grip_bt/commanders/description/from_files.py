@@ -15,7 +15,7 @@ from .check_urdf import check_urdf
 from .config import RobotConfig
 from .configurations import Alternative, Configurations, Fitted
 from .files import Finding, errors, finding_of
-from .guessed import with_groups, with_postures
+from .guessed import with_efforts, with_groups, with_postures
 from .hints import declared
 from .moveit_package import JointLimits, MoveItPackage, preferences_of, read_package
 from .packages import Packages
@@ -128,8 +128,9 @@ class _Single:
         name = self.config.name or robot.get("name") or "robot"
         urdf = normal(robot, name, source.parent, self.packages, limits)
         made = build(urdf, added, self.config, limits, initial)
-        made, told = with_postures(made)
-        self.findings += told
+        for completed in (with_postures, with_efforts):
+            made, told = completed(made)
+            self.findings += told
         return replace(made, preferences=preferences_of(self.moveit, made.groups, PLANNERS))
 
     def _urdf(self) -> tuple[ET.Element, Path]:

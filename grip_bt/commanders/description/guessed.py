@@ -1,4 +1,4 @@
-"""What vendors leave out and can be told from the tree: groups without an SRDF, and how a hand is open and closed."""
+"""What vendors leave out and can be told from the tree: groups without an SRDF, postures of hands, efforts."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from itertools import combinations
 
 import numpy as np
 
+from grip_bt.base.errors import listing
 from grip_bt.base.values import JointState
 
+from .check_urdf import NO_EFFORT
 from .files import Finding
 from .robot import EndEffector, RobotDescription
 from .srdf import Group, Srdf
@@ -119,6 +121,29 @@ def _guessed(robot: RobotDescription, hand: str) -> dict[str, JointState]:
     return {word: JointState(names, [at[name] for name in names]) for word, at in (("open", begin), ("closed", end))}
 
 
+def with_efforts(robot: RobotDescription) -> tuple[RobotDescription, list[Finding]]:
+    """Return a robot whose arms' drives can accelerate it as its limits say, and which ones couldn't.
+
+    A joint needs at least what the masses that it carries at rest, as points, take about its axis. Where its effort
+    limit is less, a tool has filled that in.
+    """
+    root, there = ET.fromstring(robot.urdf), robot.with_followers(robot.at_rest)
+    tree, weak = Tree(root), {}
+    bodies = {link.get("name", ""): body for link in root.iter("link") if (body := link.find("inertial")) is not None}
+    hands = {joint for hand in robot.hands for joint in robot.groups[hand]}
+    for name in (name for name in robot.joints if name not in hands and tree.joints[name].type != "prismatic"):
+        joint, inertia = tree.joints[name], 0.0
+        for link in bodies.keys() & set(tree.subtree(joint.child)):
+            mass, point = bodies[link].find("mass"), origin_of(bodies[link]).position
+            point = tree.seen_from(joint.child, link, point, there)
+            inertia += float("0" if mass is None else mass.get("value", "0")) * np.sum(np.cross(joint.axis, point) ** 2)
+        if robot.drives[name].limit == joint.effort < inertia * robot.acceleration_limits[name]:
+            weak[name] = robot.drives[name].model_copy(update={"limit": NO_EFFORT["rad"]})
+    said = f"the efforts of joints {listing(weak)} can't accelerate what they carry as their limits say"
+    found = Finding("warning", "no-effort", f"{said}; simulation takes {NO_EFFORT['rad']:g}")
+    return replace(robot, drives={**robot.drives, **weak}), [found] if weak else []
+
+
 class _Ways:
     """How far a hand's fingers are from one another, by forward kinematics."""
 
@@ -133,9 +158,6 @@ class _Ways:
         }
 
     def apart(self, positions: Mapping[str, float]) -> float:
-        points, there = [], self.robot.with_followers(positions)
-        for tip, point in self.middles.items():
-            for joint in self.tree.upwards(tip):
-                point = joint.pose(there.get(joint.name, 0.0)).apply(point)
-            points.append(point)
+        tree, there = self.tree, self.robot.with_followers(positions)
+        points = [tree.seen_from(tree.root, tip, point, there) for tip, point in self.middles.items()]
         return float(sum(np.linalg.norm(a - b) for a, b in combinations(points, 2)))

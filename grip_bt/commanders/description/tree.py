@@ -9,6 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 
 import numpy as np
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.values.pose import Pose, quaternion_about
 
 from .robot import Mimic, RobotDescription
@@ -121,6 +122,13 @@ class Tree:
             if joint.parent == base:
                 return tuple(reversed(joints))
         return None
+
+    def seen_from(self, above: str, link: str, point: Array, positions: Mapping[str, float]) -> Array:
+        """Return a point [m] of a link in the frame of one that carries it, at positions [rad or m]."""
+        while link != above:
+            joint = self.above[link]
+            point, link = joint.pose(positions.get(joint.name, 0.0)).apply(point), joint.parent
+        return point
 
     def subtree(self, link: str) -> tuple[str, ...]:
         """Return a link and all that it carries."""
