@@ -152,6 +152,13 @@ def test_efforts_that_cannot_move_the_robot_are_replaced_in_simulation_and_told(
     assert kept.description.drives["j1"].limit == effort / 2
 
 
+def test_moments_of_inertia_that_a_tool_has_filled_in_ask_for_more_effort_too(tmp_path):
+    for moment, told in [("0.01", False), ("1", True)]:
+        text = urdf().replace('effort="80"', 'effort="40"').replace('"0.01"', f'"{moment}"')
+        findings = inspected(tmp_path, text).findings
+        assert any("can't accelerate what they carry" in f.message for f in findings) == told
+
+
 def test_an_end_effector_of_a_group_that_is_not_there_is_left_out_and_told(tmp_path):
     ghost = '<end_effector name="ghost" parent_link="l6" group="nothing"/></robot>'
     found = inspected(tmp_path, srdf=SRDF.replace("</robot>", ghost))

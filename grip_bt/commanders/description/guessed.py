@@ -13,7 +13,7 @@ import numpy as np
 from grip_bt.base.errors import listing
 from grip_bt.base.values import JointState
 
-from .check_urdf import NO_EFFORT
+from .check_urdf import INERTIA, NO_EFFORT
 from .files import Finding
 from .robot import EndEffector, RobotDescription
 from .srdf import Group, Srdf
@@ -124,8 +124,8 @@ def _guessed(robot: RobotDescription, hand: str) -> dict[str, JointState]:
 def with_efforts(robot: RobotDescription) -> tuple[RobotDescription, list[Finding]]:
     """Return a robot whose arms' drives can accelerate it as its limits say, and which ones couldn't.
 
-    A joint needs at least what the masses that it carries at rest, as points, take about its axis. Where its effort
-    limit is less, a tool has filled that in.
+    What a joint needs is the inertia of what it carries about its axis, at rest, times its acceleration limit. Where
+    its effort limit is less, a tool has filled that in.
     """
     root, there = ET.fromstring(robot.urdf), robot.with_followers(robot.at_rest)
     tree, weak = Tree(root), {}
@@ -134,14 +134,20 @@ def with_efforts(robot: RobotDescription) -> tuple[RobotDescription, list[Findin
     for name in (name for name in robot.joints if name not in hands and tree.joints[name].type != "prismatic"):
         joint, inertia = tree.joints[name], 0.0
         for link in bodies.keys() & set(tree.subtree(joint.child)):
-            mass, point = bodies[link].find("mass"), origin_of(bodies[link]).position
+            (mass, moment), point = _weight(bodies[link]), origin_of(bodies[link]).position
             point = tree.seen_from(joint.child, link, point, there)
-            inertia += float("0" if mass is None else mass.get("value", "0")) * np.sum(np.cross(joint.axis, point) ** 2)
+            inertia += moment + mass * float(np.sum(np.cross(joint.axis, point) ** 2))
         if robot.drives[name].limit == joint.effort < inertia * robot.acceleration_limits[name]:
             weak[name] = robot.drives[name].model_copy(update={"limit": NO_EFFORT["rad"]})
     said = f"the efforts of joints {listing(weak)} can't accelerate what they carry as their limits say"
     found = Finding("warning", "no-effort", f"{said}; simulation takes {NO_EFFORT['rad']:g}")
     return replace(robot, drives={**robot.drives, **weak}), [found] if weak else []
+
+
+def _weight(inertial: ET.Element) -> tuple[float, float]:
+    """Return a body's mass [kg], and at most its moment of inertia about any axis through its centre [kg m^2]."""
+    mass, inertia = ({} if (each := inertial.find(tag)) is None else each.attrib for tag in ("mass", "inertia"))
+    return float(mass.get("value", "0")), sum(float(inertia.get(name, "0")) for name in INERTIA[:3]) / 2
 
 
 class _Ways:
