@@ -1,4 +1,4 @@
-"""Whether joints that somebody names are those of an arm."""
+"""Several parts of a robot as one: operations that end together, plans of several arms, executors of one group."""
 
 from __future__ import annotations
 
@@ -142,23 +142,12 @@ class JoinedExecutor:
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         if set(trajectory.names) != set(self._names):
             raise ValueError(f"the trajectory moves {trajectory.names}, these executors {self._names}")
-        starts = {k: _part_of(part, trajectory) for k, part in enumerate(self._parts)}
+        starts = {k: partial(part.execute, trajectory.of(part.joint_names)) for k, part in enumerate(self._parts)}
         return all_of(starts).then(lambda ends: Operation.finished(_merged([ends[k] for k in starts])))
 
     def stop(self) -> None:
         for part in self._parts:
             part.stop()
-
-
-def _part_of(part: Executor, whole: Trajectory) -> Callable[[], Operation[JointState]]:
-    columns = [whole.names.index(name) for name in part.joint_names]
-
-    def of(values: Array | None) -> Array | None:
-        return None if values is None else values[:, columns]
-
-    positions, velocities, accelerations = whole.positions[:, columns], of(whole.velocities), of(whole.accelerations)
-    trajectory = Trajectory(part.joint_names, whole.times, positions, velocities, accelerations)
-    return lambda: part.execute(trajectory)
 
 
 def _merged(states: list[JointState]) -> JointState:

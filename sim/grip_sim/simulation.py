@@ -74,11 +74,9 @@ class SimExecutor(_Joints):
         if set(trajectory.names) != set(self._names):
             raise ValueError(f"the trajectory is for {trajectory.names}, not for {self._names}")
         _check_finite("a trajectory", trajectory.times, trajectory.positions, trajectory.velocities)
-        order = [trajectory.names.index(name) for name in self._names]
-        arrays = {"times": trajectory.times, "positions": trajectory.positions[:, order]}
-        if trajectory.velocities is not None:
-            arrays["velocities"] = trajectory.velocities[:, order]
-        return arrays
+        way = trajectory.of(self._names)
+        arrays = {"times": way.times, "positions": way.positions, "velocities": way.velocities}
+        return {name: each for name, each in arrays.items() if each is not None}
 
 
 class SimHand(_Joints):

@@ -176,8 +176,8 @@ def _pressing(hand: Hand) -> list[list[Any]]:
 
 
 def _points(way: Trajectory, part: Arm | Hand) -> list[list[float]]:
-    columns = [way.names.index(joint) for joint in part.state().names]
-    return [np.round(way.at(t)[columns], 4).tolist() for t in np.linspace(0.0, way.duration, WAY_POINTS)]
+    rows, _, _ = way.of(part.state().names).sampled(np.linspace(0.0, way.duration, WAY_POINTS))
+    return np.round(rows, 4).tolist()  # type: ignore[no-any-return]
 
 
 def _changed(now: Any, before: Any) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -178,6 +178,13 @@ class Trajectory(ComparesArrays):
         if outside.any():
             found[1][outside] = found[2][outside] = 0.0
         return found
+
+    def of(self, names: Sequence[str]) -> Trajectory:
+        """Return the motion of some of its joints, in their order."""
+        columns = [self.names.index(name) for name in names]
+        velocities = None if self.velocities is None else self.velocities[:, columns]
+        accelerations = None if self.accelerations is None else self.accelerations[:, columns]
+        return Trajectory(tuple(names), self.times, self.positions[:, columns], velocities, accelerations)
 
     def stretched(self, duration: float) -> Trajectory:
         """Return the same path, slowed down to last `duration` [s]; itself when it lasts that long already."""
