@@ -125,13 +125,13 @@ class StreamedExecutor(RosExecutor):
     def amend(self, tail: Trajectory, at: float) -> bool:
         """Go on with another trajectory from a moment on; see `ports.Steerable`."""
         way = self._current
-        return way is not None and way.amend(tail, at)
+        return way is not None and way.amend(tail.of(self._names), at)
 
     def execute_steered(self, trajectory: Trajectory) -> Operation[JointState]:
         return self.execute(trajectory)
 
     def _begin(self, trajectory: Trajectory) -> Operation[None]:
-        self._current = way = StreamedMotion(trajectory)
+        self._current = way = StreamedMotion(trajectory.of(self._names))
         done: Operation[None] = Operation(on_cancel=way.stop.set)
         threading.Thread(target=self._run, args=(way, done), name="grip_topic_motion", daemon=True).start()
         return done
@@ -142,7 +142,7 @@ class StreamedExecutor(RosExecutor):
 
     def _run(self, way: StreamedMotion, done: Operation[None]) -> None:
         try:
-            self._follow(way, [way.trajectory.names.index(name) for name in self._names])
+            self._follow(way)
             if way.stop.is_set():
                 done.fail(CanceledError("the motion was stopped"))
             else:
@@ -154,7 +154,7 @@ class StreamedExecutor(RosExecutor):
         finally:
             way.leave()
 
-    def _follow(self, way: StreamedMotion, order: list[int]) -> None:
+    def _follow(self, way: StreamedMotion) -> None:
         """Publish set-points in time; on a stop, those of a ramp.
 
         Raises:
@@ -162,7 +162,7 @@ class StreamedExecutor(RosExecutor):
             SensorError: the robot is gone.
             ExecutionAbortedError: the joints don't do it.
         """
-        first = self._publish(way.trajectory.positions[0][order], 1)
+        first = self._publish(way.trajectory.positions[0], 1)
         if not first.wait(6.0):
             raise ServerTimeOutError(f"{self._topic}: there are no subscribers")
         first.result()
@@ -171,27 +171,27 @@ class StreamedExecutor(RosExecutor):
             if way.stop.wait(PERIOD):
                 break
             way.sent = way.passed() + self.ahead
-            self._publish(way.at(way.sent)[order], 0)
+            self._publish(way.at(way.sent), 0)
             if self.judges:
                 self.state()
         else:
-            last, way.sent = way.trajectory.positions[-1][order], way.trajectory.duration
+            last, way.sent = way.trajectory.positions[-1], way.trajectory.duration
             self._publish(last, 0).wait(1.0)
             settle(self.state, last, way.stop)
         way.over = True
         if way.stop.is_set():
-            self._brake(way, order)
+            self._brake(way)
         elif self.judges:
             self._judge(way.trajectory)
 
-    def _brake(self, way: StreamedMotion, order: list[int]) -> None:
+    def _brake(self, way: StreamedMotion) -> None:
         """Stream the ramp from the last set-point on; where something keeps the joints off their way, they stay there.
 
         A measurement is late. Joints that follow were there a moment ago, and holding there would send them back.
         """
         held = self._held_back(way)
         if held is not None and not way.dropped.is_set():
-            self._publish(held[order], 0)
+            self._publish(held, 0)
             return
         names = way.trajectory.names
         limits, jerks = accelerations_of(names, self._accelerations), jerks_of(names, self._jerks)
@@ -199,11 +199,11 @@ class StreamedExecutor(RosExecutor):
         began, passed = time.monotonic(), 0.0
         while passed < ramp.duration and not way.dropped.wait(PERIOD):
             passed = time.monotonic() - began
-            self._publish(ramp.at(passed)[order], 0)
-        settle(self.state, ramp.positions[-1][order], way.dropped)  # set-points may still be on their way
+            self._publish(ramp.at(passed), 0)
+        settle(self.state, ramp.positions[-1], way.dropped)  # set-points may still be on their way
 
     def _held_back(self, way: StreamedMotion) -> np.ndarray | None:
-        """Return where joints are that aren't on their way, nor a bit behind on it, in the way's order; else None."""
+        """Return where joints are that aren't on their way, nor a bit behind on it; else None."""
         try:
             measured = self._states.state(way.trajectory.names).position
         except SensorError:
