@@ -133,7 +133,7 @@ def start_components(
 ) -> Components:
     """Start the named components of a project and wait until their servers answer.
 
-    Interfaces are built into `<project>/.grip/interfaces` unless they are there; what a component prints goes to
+    Interfaces are built into the user's cache unless they are there; what a component prints goes to
     `<project>/.grip/logs/<name>.log`. A component without `start` is expected to be running.
 
     Args:
@@ -156,9 +156,8 @@ def start_components(
             raise UnknownNameError("component", name, folders, str(project / folder))
     files = {name: load_component(folders[name]) for name in wanted}
     started = time.monotonic()
-    cache = project / ".grip" / "interfaces"
     bring = {name: folder for name in wanted if (folder := folders[name] / INTERFACES).is_dir()}
-    built = {name: build_interfaces(folder, cache, begun=begun) for name, folder in bring.items()}
+    built = {name: build_interfaces(folder, begun=begun) for name, folder in bring.items()}
     _check_one_definition(built, folders)
     overlays = {name: [b.prefix for b in built.get(name, ())] for name in wanted}
     fresh = any(not b.cached for packages in built.values() for b in packages)

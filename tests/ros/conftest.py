@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections.abc import Iterator
 from functools import partial
@@ -24,12 +23,12 @@ def own_domain() -> Iterator[int]:
 
 
 @pytest.fixture(scope="session")
-def interface_cache(tmp_path_factory) -> Path:
-    """Return a folder in which interfaces are built once for all tests, also where several processes share them."""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "interfaces"
-    folder.mkdir(exist_ok=True)
-    return folder
+def interface_cache() -> Path:
+    """Return the folder in which interfaces are built once for all, projects among them."""
+    from grip_bt.ros.interfaces import default_cache
+
+    default_cache().mkdir(parents=True, exist_ok=True)
+    return default_cache()
 
 
 @pytest.fixture(scope="session")
@@ -92,11 +91,9 @@ def act(start_server, trial):
 
 
 @pytest.fixture
-def project(tmp_path, interface_cache, antipodal) -> Path:
+def project(tmp_path, antipodal) -> Path:
     """Return a project with the example component and an odd one; its interfaces are built already."""
     folder = tmp_path / "project"
-    (folder / ".grip").mkdir(parents=True)
-    (folder / ".grip" / "interfaces").symlink_to(interface_cache)
     components = folder / "components"
     ignore = shutil.ignore_patterns("__pycache__")
     shutil.copytree(EXAMPLE, components / "antipodal_grasps", ignore=ignore)

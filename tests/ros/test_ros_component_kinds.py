@@ -37,11 +37,10 @@ timeouts: {call: 1000, ready: 400, cancel: 400}
 
 
 @pytest.fixture
-def shop(tmp_path, interface_cache, trial):
+def shop(tmp_path, trial):
     """Return a project with one action component; its interfaces are built already."""
     folder = tmp_path / "shop"
-    (folder / ".grip").mkdir(parents=True)
-    (folder / ".grip" / "interfaces").symlink_to(interface_cache)
+    folder.mkdir()
     (folder / "grip.yaml").write_text("grip: 1\n")
     home = folder / "components" / "worker"
     home.mkdir(parents=True)
@@ -174,10 +173,8 @@ def test_the_end_of_its_process_fails_a_goal_with_its_status(worker):
         ended(worker.call({"input": "die", "seconds": 0.0}))
 
 
-def test_an_action_is_added_from_its_file_tested_and_listed(tmp_path, trial, interface_cache, capsys):
+def test_an_action_is_added_from_its_file_tested_and_listed(tmp_path, trial, capsys):
     (tmp_path / "grip.yaml").write_text("grip: 1\n")
-    (tmp_path / ".grip").mkdir()
-    (tmp_path / ".grip" / "interfaces").symlink_to(interface_cache)
     file = DATA / "trial_interfaces" / "action" / "Work.action"
     command = ["component", "add", str(file), "--project", str(tmp_path), "--name", "worker", "--server", "/work"]
     assert main(command) == 1

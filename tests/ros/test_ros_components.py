@@ -203,6 +203,13 @@ def test_a_server_built_from_another_definition_is_refused_at_once(project, doma
         process.stop()
 
 
+def test_what_one_project_has_built_another_finds(project, domain):
+    begun = list[str]()
+    with start_components(project, ["odd"], domain, begun=begun.append) as components:
+        assert components.build_seconds == 0.0
+    assert begun == []
+
+
 def test_an_unknown_component_is_named_with_those_there_are(project, domain):
     with pytest.raises(UnknownNameError, match=r"'antipodal_grasp'; did you mean 'antipodal_grasps'"):
         start_components(project, ["antipodal_grasp"], domain)
