@@ -9,7 +9,7 @@ from functools import cache
 from grip_bt.base.errors import ExpressionError, listing, nearest
 from grip_bt.base.expression import CONSTANTS, Expression, parse_expression
 from grip_bt.base.types import VALUES
-from grip_bt.task import expressions_of
+from grip_bt.task import Leaf, expressions_of
 from grip_bt.task.catalog import Type, is_assignable, parse_type
 
 from .analysis import PlacedNode, TaskAnalysis
@@ -152,6 +152,8 @@ def _declared(annotation: object) -> Type:
         return ANY
 
 
+_COMPUTING = ("flow/compute", "flow/wait_until")
+"""Leaves that have an expression among their parameters."""
 _CONDITIONS = ("precondition", "if", "while")
 """Keys whose expression is true or false."""
 
@@ -159,6 +161,8 @@ _CONDITIONS = ("precondition", "if", "while")
 def check_expressions(analysis: TaskAnalysis) -> None:
     """Find expressions that can't be read, unknown variables in them, and parts of wrong types."""
     for placed in analysis.nodes:
+        if isinstance(placed.node, Leaf) and placed.node.node in _COMPUTING:
+            _over_inputs(analysis, placed, placed.node)
         for key, text in expressions_of(placed.node):
             try:
                 expression = parse_expression(text)
@@ -167,6 +171,25 @@ def check_expressions(analysis: TaskAnalysis) -> None:
                 continue
             _names(analysis, placed, key, expression)
             _types(analysis, placed, key, expression)
+
+
+def _over_inputs(analysis: TaskAnalysis, placed: PlacedNode, leaf: Leaf) -> None:
+    """Find what is wrong with the expression of a leaf, which reads its inputs."""
+    at, text = ("with", "expression"), leaf.with_.get("expression")
+    try:
+        names = parse_expression(text).names if isinstance(text, str) else ()
+    except ExpressionError as error:
+        analysis.add(placed.path, at, "bad-expression", str(error))
+        return
+    for name in sorted({*names} - {*leaf.in_}):
+        message = f"`{text}` reads {name!r}, and no variable is bound to it (bound: {listing(leaf.in_)})"
+        analysis.add(
+            placed.path,
+            at,
+            "undeclared-variable",
+            message,
+            "bind a variable to one of the inputs `a` to `h`, and read that",
+        )
 
 
 def _names(analysis: TaskAnalysis, placed: PlacedNode, key: str, expression: Expression) -> None:

@@ -141,3 +141,24 @@ def test_a_for_each_takes_a_list_and_its_item_has_the_type_of_the_lists_items() 
     wrong = child.replace("one > 1", "one == 'a'")
     assert [c for c, _ in issues(f"{{kind: for_each, items: items, item: one, {wrong}}}")] == ["wrong-expression-type"]
     assert "shadowed-variable" in [c for c, _ in issues(f"{{kind: for_each, items: items, item: n, {child}}}")]
+
+
+@pytest.mark.parametrize(
+    ("leaf", "expression", "code"),
+    [
+        ("flow/compute", "a + 1", None),
+        ("flow/wait_until", "a > 1 and true", None),
+        ("flow/compute", "a[0]", "bad-expression"),
+        ("flow/compute", "a + n", "undeclared-variable"),
+        ("flow/wait_until", "b > 1", "undeclared-variable"),
+    ],
+)
+def test_an_expression_among_parameters_reads_the_inputs_that_are_bound(
+    leaf: str, expression: str, code: str | None
+) -> None:
+    text = f"{{grip: 1, name: t, data: {DATA}, root: {{node: {leaf}, with: {{expression: '{expression}'}}, in: {{a: n}}}}}}"
+    document = read_text(text, "t.yaml")
+    found = validate(document.task, Catalog.builtin(), document).issues
+    assert [(issue.code, issue.line) for issue in found if issue.severity == "error"] == (
+        [] if code is None else [(code, 1)]
+    )
