@@ -156,7 +156,8 @@ def test_a_for_each_takes_a_list_and_its_item_has_the_type_of_the_lists_items() 
 def test_an_expression_among_parameters_reads_the_inputs_that_are_bound(
     leaf: str, expression: str, code: str | None
 ) -> None:
-    text = f"{{grip: 1, name: t, data: {DATA}, root: {{node: {leaf}, with: {{expression: '{expression}'}}, in: {{a: n}}}}}}"
+    root = f"{{node: {leaf}, with: {{expression: '{expression}'}}, in: {{a: n}}}}"
+    text = f"{{grip: 1, name: t, data: {DATA}, root: {root}}}"
     document = read_text(text, "t.yaml")
     found = validate(document.task, Catalog.builtin(), document).issues
     assert [(issue.code, issue.line) for issue in found if issue.severity == "error"] == (
