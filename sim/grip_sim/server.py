@@ -143,8 +143,8 @@ class Server:
         try:
             if (handler := getattr(self, f"_call_{call}", None)) is not None:
                 answer = handler(number, **fields)
-            elif call in ASKED:
-                answer = ASKED[call](self.world)
+            elif call in OF_WORLD:
+                answer = OF_WORLD[call](self.world, **fields)
             else:
                 raise LookupError("there is no such call")
         except GripError as error:
@@ -334,9 +334,6 @@ class Server:
         age = self.world.time - frame.time
         return {"pose": _listed(frame.pose), "age": age, "image": frame.image, "depth": frame.depth}
 
-    def _call_camera_pose(self, number: int, camera: str) -> Answer:
-        return {"pose": _listed(self.world.cameras.pose(camera))}
-
     def _call_film(self, number: int, view: object, video: str | None, picture: str | None) -> None:
         self._call_end_film()
         camera = view if isinstance(view, str) else TypeAdapter(CameraSpec).validate_python(view)
@@ -347,18 +344,6 @@ class Server:
         film, self._film = self._film, None
         if film is not None:
             film.close()
-
-    def _call_move_object(self, number: int, name: str, position: list[float], quaternion: list[float]) -> None:
-        self.world.move_object(name, Pose(position, quaternion))
-
-    def _call_spawn(self, number: int, spec: dict[str, Any]) -> None:
-        self.world.spawn(TypeAdapter(ObjectSpec).validate_python(spec))
-
-    def _call_remove(self, number: int, name: str) -> None:
-        self.world.remove(name)
-
-    def _call_inject(self, number: int, name: str, fault: dict[str, Any]) -> None:
-        self.world.inject(name, Fault.model_validate(fault))
 
     def _call_entered(self, number: int, node: str) -> None:
         self.world.faults.entered(node)
@@ -377,13 +362,18 @@ def _listed(pose: Pose) -> list[float]:
     return [*pose.position.tolist(), *pose.quaternion.tolist()]
 
 
-ASKED: Mapping[str, Callable[[World], Answer]] = {
+OF_WORLD: Mapping[str, Callable[..., Answer | None]] = {
+    "move_object": lambda world, name, position, quaternion: world.move_object(name, Pose(position, quaternion)),
+    "spawn": lambda world, spec: world.spawn(TypeAdapter(ObjectSpec).validate_python(spec)),
+    "remove": World.remove,
+    "inject": lambda world, name, fault: world.inject(name, Fault.model_validate(fault)),
+    "camera_pose": lambda world, camera: {"pose": _listed(world.cameras.pose(camera))},
     "truth": lambda world: {"truth": list(map(tuple, judge(world)))},
     "measures": lambda world: {"measures": world.measures()},
     "fingerprint": lambda world: {"fingerprint": world.fingerprint()},
     "kept": lambda world: {"kept": world.kept()},
 }
-"""Calls that only ask the world."""
+"""Calls that ask the world alone, or change what is in it."""
 
 
 def main() -> int:
