@@ -141,7 +141,7 @@ def _there(node: Any, keys: Keys) -> str:
 def _compared(node: Any, check: Any, keys: Keys) -> str:
     """Return the condition of one comparison; one with a key that isn't there is false."""
     name = keys.plain(node.blackboard, check.variable)
-    sign, value = _OPERATORS.get(check.operator), keys.literal(check.value_generator)
+    sign, value = _OPERATORS.get(check.operator), keys.literal(check.value_generator, node.blackboard, check.variable)
     if sign is None:
         raise NoEquivalentError(f"a comparison by {check.operator}, which is a Python function")
     return f"{name} != null and {name} {sign} {value!r}"
@@ -168,7 +168,7 @@ def _between(node: Any, keys: Keys) -> str:
 
 def _set(node: Any, keys: Keys) -> NodeSettings:
     name = keys.plain(node.blackboard, node.variable_name)
-    value = keys.literal(node.variable_value_generator)
+    value = keys.literal(node.variable_value_generator, node.blackboard, node.variable_name)
     once = {} if node.overwrite else {"precondition": f"{name} == null"}
     return NodeSettings({"node": "flow/set", **once, "with": {"value": value}, "out": {"value": name}})
 

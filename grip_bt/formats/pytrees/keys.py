@@ -9,6 +9,7 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 from py_trees.blackboard import Blackboard, Client
+from py_trees.common import Status
 
 from grip_bt.base.errors import ExpressionError
 from grip_bt.base.expression import CONSTANTS, parse_expression
@@ -22,12 +23,15 @@ class NoEquivalentError(Exception):
 class Keys:
     """Hands out a variable for each key of the blackboard that is asked for; `names`: `/namespace/key` -> variable.
 
+    `kept`: keys that behaviours see which stay as they are; a Status under any other key can be a text.
+
     Raises:
         NoEquivalentError: from every method, where a behaviour does more than a task can say.
     """
 
     def __init__(self) -> None:
         self.names: dict[str, str] = {}
+        self.kept: set[str] = set()
 
     def variable(self, key: str) -> str:
         """Return the variable of a key."""
@@ -42,9 +46,11 @@ class Keys:
             raise NoEquivalentError(f"{name} is an attribute of what is on the blackboard")
         return self.variable(stored(client, client.absolute_name(name)))
 
-    def literal(self, generator: Any) -> Any:
-        """Return the value that py_trees was given; it makes functions of them."""
+    def literal(self, generator: Any, client: Client, name: str) -> Any:
+        """Return the value that py_trees was given for a key; it makes functions of them."""
         value = generator() if getattr(generator, "__module__", "").startswith("py_trees.") else generator
+        if isinstance(value, Status) and stored(client, client.absolute_name(name)) not in self.kept:
+            return str(value)
         if not is_literal(value):
             raise NoEquivalentError("it takes what a Python function returns, or an object")
         return value

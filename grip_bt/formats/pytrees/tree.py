@@ -168,6 +168,11 @@ class _OtherReader(Reader):
         super().__init__(whole=False)
         self._built_by = built_by
         self._at = {id(behaviour): at for at, behaviour in by_path(root).items()}
+        for behaviour in root.iterate():
+            try:
+                convert_behaviour(behaviour, Keys())
+            except NoEquivalentError:
+                self.keys.kept.update(*(found.values() for found in keys_of(behaviour)))
         if built_by:
             for behaviour in root.iterate():  # which keys are variables is known when all behaviours were looked at
                 with suppress(NoEquivalentError):

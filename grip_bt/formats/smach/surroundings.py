@@ -86,7 +86,7 @@ def surround(workspace: Workspace) -> None:
         for name in names:
             if (there := getattr(module, name, None)) is not None:
                 SPECIAL[there] = partial(_seen, there, f"{getattr(module, '__name__', '')}.{name}()")
-    for name in ("shuffle", "choice", "sample", "choices"):
+    for name in ("shuffle", "sample", "choices"):
         SPECIAL[getattr(random, name)] = partial(_by_chance, getattr(random, name), f"random.{name}()")
     for name in ("exists", "isfile", "isdir"):
         there = getattr(os.path, name)
@@ -105,7 +105,7 @@ def surround(workspace: Workspace) -> None:
 
 
 _SEEN: dict[Any, tuple[str, ...]] = {
-    random: ("random", "randint", "uniform", "gauss", "randrange", "getrandbits", "normalvariate"),
+    random: ("random", "randint", "uniform", "gauss", "randrange", "getrandbits", "normalvariate", "choice"),
     time: ("time", "monotonic", "perf_counter", "localtime", "gmtime", "strftime", "ctime", "time_ns"),
     datetime.datetime: ("now", "utcnow", "today"),
     datetime.date: ("today",),

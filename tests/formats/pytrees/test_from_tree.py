@@ -13,10 +13,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from parity_generate import make_case
 from parity_world import ScriptedLeaf, catalog_of
-from py_trees import behaviours, composites, decorators
+from py_trees import behaviours, composites, decorators, idioms
 from py_trees.behaviour import Behaviour
 from py_trees.blackboard import Blackboard
-from py_trees.common import ParallelPolicy, Status
+from py_trees.common import Access, ParallelPolicy, Status
 from random_trees import make_tree
 from timed import ManualClock
 
@@ -26,6 +26,7 @@ from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.formats.pytrees import to_task, told
 from grip_bt.task import Task, dumps
 from grip_bt.task.catalog import AllowedImports, Catalog
+from grip_bt.task.model import Foreign, walk
 
 TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "200"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
@@ -264,3 +265,33 @@ def test_what_comes_out_is_checked_like_any_task() -> None:
 @pytest.mark.parametrize("where", [":loads", ":", "", "a:b(1)", "a:b(c=d)"])
 def test_a_place_that_cannot_be_read_is_told_how_it_is_written(where: str) -> None:
     assert "file.py:function" in told(where)["error"] or "literals by name" in told(where)["error"]
+
+
+class SeesWhatIsDone(Behaviour):
+    """One that stays as it is, and sees a key."""
+
+    def __init__(self) -> None:
+        super().__init__("sees")
+        self.attach_blackboard_client().register_key("done", Access.READ)
+
+    def update(self) -> Status:
+        return Status.SUCCESS
+
+
+def once() -> Behaviour:
+    steps = [Status.RUNNING, Status.SUCCESS, Status.FAILURE]
+    return idioms.oneshot(behaviours.StatusQueue("steps", steps, None), "once", "done")
+
+
+def test_a_status_on_the_blackboard_is_a_text_where_no_kept_behaviour_sees_it() -> None:
+    task = to_task(once()).task
+    assert not [node for _, node in walk(task.root) if isinstance(node, Foreign)]
+    mine, other, context = to_tree(task, Catalog.builtin()).root, once(), Context()
+    for node in mine.iterate():
+        node.setup(context=context)
+    for _ in range(5):
+        mine.tick_once()
+        other.tick_once()
+        assert statuses(mine) == statuses(other)
+    with pytest.raises(ImportRefusedError, match="Python function returns, or an object"):
+        to_task(composites.Selector("s", False, [SeesWhatIsDone(), once()]))

@@ -385,3 +385,17 @@ def test_what_a_method_and_its_class_are_given_is_written_where_each_takes_it(tm
     assert verdicts(imported) == ["exact"]
     text = imported.leaves.texts(tmp_path)["leaves.py"]
     assert "legacy.Maker(robot='hero').build(rooms=['HALL', 'YARD'])" in text
+
+
+@pytest.mark.parametrize(
+    ("added", "verdict"),
+    [
+        ("'A', Go(random.choice(['hello', 'hi']))", "exact"),
+        ("random.choice(['A', 'B']), Go('hello')", "partial"),
+        ("'A', random.choice([Go('hello'), Go('hi')])", "partial"),
+    ],
+)
+def test_chance_that_only_a_state_goes_by_leaves_the_machine_exact(added, verdict, tmp_path):
+    code = "import random, smach\n" + METHOD.split("class Maker")[0].replace("import smach", "")
+    code += f"sm = smach.StateMachine(['there'])\nwith sm:\n    smach.StateMachine.add({added})\n"
+    assert verdicts(recorded(tmp_path, code)) == [verdict]
