@@ -10,7 +10,7 @@ from __future__ import annotations
 import dis
 import operator
 import sys
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Collection, Generator, Iterator
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import FunctionType, ModuleType
@@ -47,6 +47,10 @@ class Judge:
         """Return the answer to a question with two answers; `wanted` is the one that leads on, most often."""
         self.used = True
         return wanted
+
+    def is_prepared(self) -> bool:
+        """Tell whether the code that runs now is prepared for the absence of a name."""
+        return False
 
     def note(self, what: str, value: object = UNKNOWN) -> None:
         """Take note that code goes by what stands in: by a value that it holds, or by one that nobody knows."""
@@ -319,11 +323,15 @@ class StandInModule(ModuleType):
     """A module of which every name is a stand-in."""
 
     __path__: list[str] = []
+    _stand_in_lacks: Collection[str] = ()
 
     def __getattr__(self, name: str) -> Any:
         if name == "__all__":
             return sorted(wanted_names(sys._getframe(1)))
-        if name.startswith("__"):
+        there = not name.startswith("__") and name not in self._stand_in_lacks
+        if there and judge.is_prepared() and not judge.decide(f"{self.__name__}.{name} is there", True):
+            self._stand_in_lacks, there = {*self._stand_in_lacks, name}, False
+        if not there:
             raise AttributeError(name)
         made = stand_in_class(name) if _is_class(name) else stand_in(f"{self.__name__}.{name}")
         setattr(self, name, made)
@@ -368,7 +376,9 @@ class StandInFinder(MetaPathFinder, Loader):
         installed = any("-packages" in folder for folder in getattr(there, "__path__", ()))
         of_sources = (self.parts or is_generated(fullname)) and not installed
         real = there is not None and not isinstance(there, StandInModule) and not of_sources
-        if package in sys.stdlib_module_names or real or asked_by_a_library():
+        above, _, last = fullname.rpartition(".")
+        lacking = last in getattr(sys.modules.get(above), "_stand_in_lacks", ())
+        if package in sys.stdlib_module_names or real or lacking or asked_by_a_library():
             return None
         if package not in self.packages:
             self.packages.append(package)

@@ -72,6 +72,11 @@ class Asking(stand_ins.Judge):
         self.asked.append(_told(what))
         return answer
 
+    def is_prepared(self) -> bool:
+        """Tell whether legacy code is in a `try` that takes the absence of a name."""
+        frame = tracked_code.caller()
+        return frame is not None and _prepared(Path(frame.f_code.co_filename), frame.f_lineno, _NAMED)
+
     def note(self, what: str, value: object = stand_ins.UNKNOWN) -> None:
         """Keep it."""
         if not self.over:
@@ -411,18 +416,21 @@ class _Missing(StandInFinder):
         spec, frame = super().find_spec(fullname, path, target), tracked_code.caller()
         if spec is None or frame is None or fullname == "rospy":
             return spec
-        if _prepared(Path(frame.f_code.co_filename), frame.f_lineno):
+        if _prepared(Path(frame.f_code.co_filename), frame.f_lineno, _NAMED + "|(Base)?Exception"):
             if not stand_ins.judge.decide(f"import {fullname}", True):
                 raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
         return spec
 
 
-def _prepared(file: Path, line: int) -> bool:
-    """Whether a line is in a `try` that takes a failing import."""
+_NAMED = "ImportError|ModuleNotFoundError|AttributeError"
+
+
+def _prepared(file: Path, line: int, errors: str) -> bool:
+    """Whether a line is in a `try` that takes one of these errors."""
     tries = (node for node in ast.walk(read_source(file).tree) if isinstance(node, ast.Try)) if file.is_file() else ()
     around = (node for node in tries if node.body[0].lineno <= line <= (node.body[-1].end_lineno or 0))
     caught = (ast.unparse(h.type) if h.type is not None else "Exception" for node in around for h in node.handlers)
-    return any(re.search(r"\b((Base)?Exception|ImportError|ModuleNotFoundError)\b", name) for name in caught)
+    return any(re.search(rf"\b({errors})\b", name) for name in caught)
 
 
 def record(job: Job, warm: WarmProcesses) -> Record:

@@ -15,7 +15,17 @@ from types import BuiltinFunctionType, FrameType, FunctionType, MethodType
 from typing import Any
 
 from grip_bt.nodes import stand_ins
-from grip_bt.nodes.stand_ins import StandIn, asked_once, held_by, lifted, name_of, stand_in, stands_in, value_of
+from grip_bt.nodes.stand_ins import (
+    StandIn,
+    StandInModule,
+    asked_once,
+    held_by,
+    lifted,
+    name_of,
+    stand_in,
+    stands_in,
+    value_of,
+)
 
 IS, CALL, STAR, SET, MOD, TEXT = (f"__grip_{name}__" for name in ("is", "call", "star", "set", "mod", "text"))
 _DIRECT = ("super", "locals", "globals", "vars", "dir", "eval", "exec")
@@ -174,15 +184,20 @@ def _untracked(value: Any) -> Any:
     return set(set.__iter__(value)) if type(value) is TrackedSet else value
 
 
+def _may_lack(value: Any) -> bool:
+    return isinstance(value, StandInModule) or (stands_in(value) and not isinstance(value, type))
+
+
 def _hasattr(value: Any, name: str) -> bool:
-    if stands_in(value) and not isinstance(value, type) and name not in vars(value):
-        return asked_once(value, f"hasattr({name_of(value)}, {name!r})", True)
+    if _may_lack(value) and name not in vars(value):
+        known_as = value.__name__ if isinstance(value, StandInModule) else name_of(value)
+        return asked_once(value, f"hasattr({known_as}, {name!r})", True)
     return hasattr(value, name)
 
 
 def _getattr(value: Any, name: Any, *default: Any) -> Any:
     name = _plain_text(name)
-    if default and stands_in(value) and not _hasattr(value, name):
+    if default and _may_lack(value) and not _hasattr(value, name):
         return default[0]
     return getattr(value, name, *default)
 

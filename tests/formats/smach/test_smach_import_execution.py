@@ -399,3 +399,16 @@ def test_chance_that_only_a_state_goes_by_leaves_the_machine_exact(added, verdic
     code = "import random, smach\n" + METHOD.split("class Maker")[0].replace("import smach", "")
     code += f"sm = smach.StateMachine(['there'])\nwith sm:\n    smach.StateMachine.add({added})\n"
     assert verdicts(recorded(tmp_path, code)) == [verdict]
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        "made = machine('A' if hasattr(rospy, 'special') else 'B')\n",
+        "made = machine('A' if getattr(rospy, 'Special', None) is not None else 'B')\n",
+        "try:\n    rospy.special\n    label = 'A'\nexcept AttributeError:\n    label = 'B'\nmade = machine(label)\n",
+        "try:\n    from rospy import special\n    made = machine('A')\nexcept ImportError:\n    made = machine('B')\n",
+    ],
+)
+def test_what_a_module_has_that_is_not_here_is_known_only_in_a_run(asked, tmp_path):
+    assert verdicts(recorded(tmp_path, TWO_WAYS.replace("BIG = ", "#") + asked)) == ["partial"]
