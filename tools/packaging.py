@@ -175,8 +175,8 @@ def main() -> int:
         for extra in extras:
             try:
                 rows = sorted(tried(wheel, version, python, extra), key=lambda row: row[0].lower())
-            except (SmokeError, subprocess.SubprocessError) as error:
-                print(f"{version} [{extra}]: WRONG: {error}", flush=True)
+            except Exception as error:  # noqa: BLE001 - whatever it is, the others are tried
+                print(f"{version} [{extra}]: WRONG: {type(error).__name__}: {error}", flush=True)
                 wrong += 1
                 continue
             everything |= {row[0].lower(): row for row in rows}

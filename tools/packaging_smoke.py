@@ -7,6 +7,7 @@ import re
 import subprocess
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 from urllib.request import HTTPCookieProcessor, build_opener
 
 Surroundings = Mapping[str, str]
@@ -42,6 +43,15 @@ root:
 
 class SmokeError(Exception):
     """What an extra is for doesn't work."""
+
+
+def _result(grip: Path, folder: Path, around: Surroundings, *words: str) -> dict[str, Any]:
+    """Return the JSON object that a verb prints, whatever its libraries say beside it."""
+    said = _told(grip, folder, around, *words, "--json")
+    found = [line for line in said.splitlines() if line.startswith("{")]
+    if len(found) != 1:
+        raise SmokeError(f"grip {' '.join(words)} --json: {said}")
+    return dict(json.loads(found[0]))
 
 
 def _told(grip: Path, folder: Path, around: Surroundings, *words: str, status: int = 0) -> str:
@@ -137,7 +147,7 @@ def vision(grip: Path, work: Path, around: Surroundings) -> str:
 def sim(grip: Path, work: Path, around: Surroundings) -> str:
     """Take something in simulation."""
     _told(grip, work, around, "new", "lab")
-    end = json.loads(_told(grip, work / "lab", around, "run", "tasks/take.yaml", "--json").strip().splitlines()[-1])
+    end = _result(grip, work / "lab", around, "run", "tasks/take.yaml")
     if end["status"] != "success" or end["judged"] != {"held": True}:
         raise SmokeError(f"grip run tasks/take.yaml: {end}")
     return "grip run tasks/take.yaml: held"
@@ -149,7 +159,7 @@ def demo(grip: Path, work: Path, around: Surroundings) -> str:
         _told(grip.with_name("python"), work, around, "-c", "import grip_bt; print(grip_bt.__path__[0])").strip()
     )
     before = {file for file in site.rglob("*") if file.suffix != ".pyc"}
-    end = json.loads(_told(grip, work, around, "demo", "--json").strip().splitlines()[-1])
+    end = _result(grip, work, around, "demo")
     if new := {file for file in site.rglob("*") if file.suffix != ".pyc"} - before:
         raise SmokeError(f"grip demo wrote into the installation: {sorted(new)[:5]}")
     return f"grip demo: {end}"
