@@ -20,7 +20,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("grip: stopped", file=sys.stderr)
         return STOPPED
     finally:
-        if arguments is None:
+        if arguments is None and "ompl" not in sys.modules:  # which looks for leaks at the end
             gc.freeze()  # the process ends, and looks at nothing of it again: as much
 
 

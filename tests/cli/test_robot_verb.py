@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 
 import pytest
 
@@ -90,3 +92,10 @@ def test_an_option_without_a_value_is_a_usage_error(capsys):
         main(["robot", "check", "ur3", "--arg", "prefix"])
     assert ended.value.code == 2
     assert "--arg takes NAME=VALUE, not 'prefix'" in capsys.readouterr().err
+
+
+def test_a_command_that_has_loaded_a_planner_ends_without_a_word_of_its_library(tmp_path):
+    command = [sys.executable, "-m", "grip_bt.cli", "new", str(tmp_path / "lab"), "--robot", "no_such_robot"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1, done.stderr
