@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import lru_cache, partial
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import CodeType, FrameType, ModuleType
 from typing import Any
 
 from grip_bt import smach_compat
@@ -75,7 +75,7 @@ class Asking(stand_ins.Judge):
     def is_prepared(self) -> bool:
         """Tell whether legacy code is in a `try` that takes the absence of a name."""
         frame = tracked_code.caller()
-        return frame is not None and _prepared(Path(frame.f_code.co_filename), frame.f_lineno, _NAMED)
+        return frame is not None and _prepared(frame)
 
     def note(self, what: str, value: object = stand_ins.UNKNOWN) -> None:
         """Keep it."""
@@ -416,21 +416,24 @@ class _Missing(StandInFinder):
         spec, frame = super().find_spec(fullname, path, target), tracked_code.caller()
         if spec is None or frame is None or fullname == "rospy":
             return spec
-        if _prepared(Path(frame.f_code.co_filename), frame.f_lineno, _NAMED + "|(Base)?Exception"):
-            if not stand_ins.judge.decide(f"import {fullname}", True):
-                raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
+        if _prepared(frame, "|(Base)?Exception") and not stand_ins.judge.decide(f"import {fullname}", True):
+            raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
         return spec
 
 
-_NAMED = "ImportError|ModuleNotFoundError|AttributeError"
+def _prepared(frame: FrameType, more: str = "") -> bool:
+    """Whether code is in a `try` that takes the absence of a module or of a name in one."""
+    errors = rf"\b(ImportError|ModuleNotFoundError|AttributeError{more})\b"
+    tries = _tries(Path(frame.f_code.co_filename))
+    return any(frame.f_lineno in lines and re.search(errors, caught) for lines, caught in tries)
 
 
-def _prepared(file: Path, line: int, errors: str) -> bool:
-    """Whether a line is in a `try` that takes one of these errors."""
+@lru_cache
+def _tries(file: Path) -> list[tuple[range, str]]:
+    """Return the lines of each `try`, and what it takes."""
     tries = (node for node in ast.walk(read_source(file).tree) if isinstance(node, ast.Try)) if file.is_file() else ()
-    around = (node for node in tries if node.body[0].lineno <= line <= (node.body[-1].end_lineno or 0))
-    caught = (ast.unparse(h.type) if h.type is not None else "Exception" for node in around for h in node.handlers)
-    return any(re.search(rf"\b({errors})\b", name) for name in caught)
+    caught: Any = lambda node: [ast.unparse(h.type or ast.Name("Exception")) for h in node.handlers]  # noqa: E731
+    return [(range(t.body[0].lineno, (t.body[-1].end_lineno or 0) + 1), " ".join(caught(t))) for t in tries]
 
 
 def record(job: Job, warm: WarmProcesses) -> Record:

@@ -412,3 +412,10 @@ def test_chance_that_only_a_state_goes_by_leaves_the_machine_exact(added, verdic
 )
 def test_what_a_module_has_that_is_not_here_is_known_only_in_a_run(asked, tmp_path):
     assert verdicts(recorded(tmp_path, TWO_WAYS.replace("BIG = ", "#") + asked)) == ["partial"]
+
+
+def test_old_code_that_is_prepared_for_an_error_is_read_without_a_trace(tmp_path):
+    code = "def made(label):\n    try:\n        rospy.loginfo(label)\n    except AttributeError, e:\n        print e\n"
+    assert verdicts(
+        recorded(tmp_path, TWO_WAYS.replace("BIG = ", "#") + code + "made = machine('A')\nmade('A')\n")
+    ) == ["exact"]
