@@ -47,15 +47,11 @@ def add_component(parser: argparse.ArgumentParser) -> None:
     new.add_argument("name", help="of the component: lower case, such as my_grasps")
     new.add_argument("--lang", choices=("python", "cpp"), default="python", help="of its server (default: python)")
     new.add_argument("--folder", type=Path, help="where (default: components/NAME of the project here)")
-    add.add_argument(
-        "what",
-        nargs="*",
-        help="a component's folder; or a .srv, .action or .msg file; or a type such as std_srvs/srv/Trigger",
-    )
+    what = "a component's folder; or a .srv, .action or .msg file; or a type such as std_srvs/srv/Trigger"
+    add.add_argument("what", nargs="*", help=what)
     add.add_argument("--from-graph", metavar="NAME", help="a running service, action or topic")
-    add.add_argument(
-        "--outcomes", metavar="O", help="`one,none`: names of 0, 1 ...; `2`; `found: count > 0; none: true`"
-    )
+    ends = "`one,none`: names of 0, 1 ...; `2`; `found: count > 0; none: true`"
+    add.add_argument("--outcomes", metavar="O", help=ends)
     add.add_argument("--failure", metavar="LABELS", default="", help="outcomes that mean failure, such as none,timeout")
     add.add_argument("--name", default="", help="the component's name (default: from the server's)")
     add.add_argument("--server", default="", help="the name under which it is served, such as /plan_grasp")

@@ -44,14 +44,8 @@ def add_import(parser: argparse.ArgumentParser) -> None:
     )
     add("path", type=Path, metavar="PATH", help=path)
     add("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")
-    add(
-        "--from",
-        dest="source",
-        required=True,
-        type=lambda name: name.replace("py_trees", "pytrees"),
-        choices=sorted(_PACKAGES),
-        help="format of the source",
-    )
+    sources, name = sorted(_PACKAGES), lambda word: word.replace("py_trees", "pytrees")
+    add("--from", dest="source", required=True, type=name, choices=sources, help="format of the source")
     out = (
         "a .yaml file for one task, a folder for several, of grip a project folder; without it, smach and grip write"
         " nothing, and the others write to stdout"

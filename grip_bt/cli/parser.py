@@ -20,11 +20,8 @@ STAND_INS = "stand in for packages, arguments, services and actions that are mis
 
 def add_no_code(parser: argparse.ArgumentParser) -> None:
     """Add the option of verbs that run what lies in a project."""
-    parser.add_argument(
-        "--no-code",
-        action="store_true",
-        help="fail, listing it, where third-party code would be imported or started",
-    )
+    refusing = "fail, listing it, where third-party code would be imported or started"
+    parser.add_argument("--no-code", action="store_true", help=refusing)
 
 
 def add_actions(

@@ -79,11 +79,9 @@ def _chosen(given: list[str], question: str, names: Sequence[str]) -> str:
         for number, name in enumerate(names, 1):
             print(f"{number:3}  {name}")
         answer = input(f"{question}; which one? [1] ").strip() or "1"
-        return (
-            names[int(answer) - 1]
-            if answer.isdigit() and 0 < int(answer) <= len(names)
-            else _chosen([answer], question, names)
-        )
+        if answer.isdigit() and 0 < int(answer) <= len(names):
+            return names[int(answer) - 1]
+        return _chosen([answer], question, names)
     print(f"{question}: {names[0]} is taken; others, for --configuration: {', '.join(names[1:])}")
     return names[0]
 

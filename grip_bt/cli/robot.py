@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -38,12 +39,9 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
     for each in (check, show):
         each.add_argument("robot", metavar="FILE|NAME|FOLDER", help=WHAT)
         each.add_argument("--srdf", metavar="FILE", help="the SRDF of a URDF or xacro file")
-        each.add_argument(
-            "--arg", metavar="NAME=VALUE", action="append", default=[], help="an argument of a xacro file"
-        )
-        each.add_argument(
-            "--package", metavar="NAME=FOLDER", action="append", default=[], help="where a package lies, for package://"
-        )
+        listing = partial(each.add_argument, action="append", default=[])
+        listing("--arg", metavar="NAME=VALUE", help="an argument of a xacro file")
+        listing("--package", metavar="NAME=FOLDER", help="where a package lies, for package://")
         each.add_argument("--json", action="store_true", help="print one JSON object")
     listed.add_argument("--json", action="store_true", help="print one JSON list")
 

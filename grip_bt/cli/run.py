@@ -88,13 +88,8 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     fast = "simulated seconds a second (default: as fast as it goes)"
     add("--pace", type=pace, action=_Given, metavar="X", help=fast)
     add = parser.add_argument_group("the simulated world").add_argument
-    add(
-        "--world",
-        default="",
-        action=_Given,
-        metavar="NAME|FILE",
-        help="in place of the project's; see `grip world list`",
-    )
+    other = "in place of the project's; see `grip world list`"
+    add("--world", default="", action=_Given, metavar="NAME|FILE", help=other)
     fault = "what goes wrong in it, as in its file: 'slip: {fault: drop, node: lift, chance: 0.3}'"
     add("--fault", dest="faults", action="append", default=[], metavar="NAME: {fault: KIND, ...}", help=fault)
     add("--video", type=Path, metavar="FILE.mp4", help="film it, 25 frames a second of simulated time; changes no run")

@@ -14,15 +14,7 @@ from pydantic import ByteSize, TypeAdapter, ValidationError
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.execute import make_room
 from grip_bt.app.runs.export import export_run
-from grip_bt.app.runs.replay import (
-    Until,
-    events_of,
-    find_run,
-    journal_of,
-    line_of,
-    moment_lines,
-    replay,
-)
+from grip_bt.app.runs.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.cli.parser import number
 from grip_bt.cli.terminal import tell
@@ -36,13 +28,8 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
     add("--journal", type=Path, metavar="FILE", help="another journal")
     add("--json", action="store_true", help="print JSON")
     add("--to", choices=("jsonl", "csv", "mcap", "rerun", "lerobot"), help="export the run; Foxglove opens mcap")
-    add(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="FILE",
-        help="where to, with --to; of lerobot the dataset's folder, which grows",
-    )
+    where = "where to, with --to; of lerobot the dataset's folder, which grows"
+    add("-o", "--output", type=Path, metavar="FILE", help=where)
     add("--data", action="store_true", help="show the last value of each variable that the run wrote")
     doc = "remove the oldest runs that have ended until the journal holds no more, such as 500MB (default: its limit)"
     add("--prune", nargs="?", const="", metavar="SIZE", help=doc)

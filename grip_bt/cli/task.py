@@ -91,10 +91,8 @@ def run_fmt(args: argparse.Namespace) -> int:
 
 def add_apply(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("task", metavar="TASK", help="a task file; it is changed")
-    parser.add_argument(
-        "command",
-        help='a command, or a list, in JSON, such as \'{"do": "rename", "path": "a", "name": "b"}\'; - reads stdin',
-    )
+    form = 'a command, or a list, in JSON, such as \'{"do": "rename", "path": "a", "name": "b"}\'; - reads stdin'
+    parser.add_argument("command", help=form)
     parser.add_argument("--dry-run", action="store_true", help="print the resulting text; change no file")
 
 

@@ -12,11 +12,12 @@ from grip_bt.compilers.scopes import UNSET
 from grip_bt.formats.python_source import Bracketed, Raw, call, comment, literal, remarked, statement, template
 from grip_bt.formats.pytrees.classes import SAID, class_for
 from grip_bt.formats.standalone.builder import ORDER, TARGET, ModuleBuilder, asks_for_codes, is_fresh
-from grip_bt.formats.standalone.leaves import foreign, function_of, is_file, leaf, manifest_text, needs_grip, value_of
 from grip_bt.formats.xml_trees import require_expressible
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog
 from grip_bt.task.parts import Edges
+
+from .leaves import foreign, function_of, initial, is_file, leaf, manifest_text, needs_grip, value_of
 
 _COMMON = ("precondition", "on", "x", "data", "outcomes")
 _OWN = {**SAID, model.Parallel: ("retick", "order")}
@@ -142,7 +143,7 @@ def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> st
             name = builder.identifiers.take(cell.name, f"{parent}_{cell.name}")
             builder.variables[id(cell)] = name
             builder.parts.add("variable")
-            made = call("Variable", cell.name, *(() if cell.value is UNSET else (cell.value,)))
+            made = call("Variable", cell.name, *(() if cell.value is UNSET else (initial(cell.value, builder),)))
             builder.statements.append(remarked(statement(name, made), cell.type))
     values = _template_values(resolved, catalog, builder, _nodes(resolved, builder, catalog.code), folder)
     return template(__package__, "module.py.j2").render(values)

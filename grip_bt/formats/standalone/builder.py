@@ -161,7 +161,7 @@ def _function(lines: list[str], tree: ast.FunctionDef, indent: str = "") -> str:
 
 ORDER = (
     *("variable", "bind", "labels", "scope", "precondition", "same", "kinds", "container"),
-    *("fail", "log", "foreign"),
+    *("fail", "log", "assign", "foreign"),
 )
 """Supporting parts, in the order in which the file has them."""
 _OWN_NAMES = (

@@ -7,6 +7,7 @@ import copy
 import keyword
 import os
 from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import cast
 
@@ -14,7 +15,7 @@ from grip_bt.base.errors import NotExpressibleError
 from grip_bt.base.expression import CONSTANTS, parse_expression
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.resolve import Part, Resolved
-from grip_bt.formats.python_source import WIDTH, Bracketed, Raw, call, statement
+from grip_bt.formats.python_source import WIDTH, Bracketed, Raw, call, flat, literal, statement
 from grip_bt.formats.standalone.builder import TARGET
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog, Manifest
@@ -22,25 +23,44 @@ from grip_bt.task.catalog.source_code import line_of, source_of
 
 from .builder import ModuleBuilder
 
-_EQUAL = {"flow/wait", "flow/succeed", "flow/fail", "flow/log"}
+_EQUAL = {*("flow/wait", "flow/succeed", "flow/fail", "flow/log"), *("flow/set", "flow/compute", "flow/count")}
 """Nodes of grip that have an equivalent without it."""
 _PLAIN = {"success": "success", "failure": "failure"}
+
+
+def initial(value: object, builder: ModuleBuilder) -> object:
+    """Return an initial value of a variable; a value that is grip's own, such as a pose, is made of its fields."""
+    if hasattr(value, "tolist"):  # an array
+        return cast(object, value.tolist())
+    if isinstance(value, list | tuple):
+        return [initial(item, builder) for item in value]
+    if isinstance(value, Mapping):
+        return {key: initial(item, builder) for key, item in value.items()}
+    if not is_dataclass(value):
+        return value
+    held = {field.name: initial(getattr(value, field.name), builder) for field in fields(value)}
+    return call(_class_name("grip_bt.base.values", type(value).__name__, builder), **held)
 
 
 def needs_grip(resolved: Resolved) -> bool:
     """Tell whether some leaf is grip's, which needs its manifest and the run's context."""
     return any(
-        part.manifest.id not in _EQUAL and not is_plain(part.manifest)
+        not _has_equal(part, part.manifest) and not is_plain(part.manifest)
         for part in resolved.root.walk()
         if part.manifest is not None
     )
+
+
+def _has_equal(part: Part, manifest: Manifest) -> bool:
+    limited = isinstance(part.node, model.Leaf) and part.node.with_.get("limit") is not None
+    return manifest.id in _EQUAL and not limited  # a limit is an outcome more
 
 
 def leaf(part: Part, builder: ModuleBuilder, builtin: Catalog) -> Bracketed:
     """Return what makes a leaf. Raises NotExpressibleError: it is py_trees' own and the task changes what it means."""
     node, manifest = cast(model.Leaf, part.node), cast(Manifest, part.manifest)
     parameters = {k: p.default for k, p in manifest.parameters.items() if not p.required} | dict(node.with_)
-    if not builder.grip and manifest.id in _EQUAL and not node.meaning:
+    if not builder.grip and _has_equal(part, manifest) and not node.meaning:
         return _equal(part, builder, parameters)
     if not is_plain(manifest):
         return _grips(part, builder, builtin, parameters)
@@ -79,9 +99,28 @@ def _equal(part: Part, builder: ModuleBuilder, parameters: dict[str, object]) ->
         case "flow/fail":
             builder.parts.add("fail")
             return call("Fail", part.name, code=parameters["code"])
+        case "flow/set" | "flow/compute" | "flow/count":
+            return _assigned(part, node, builder, parameters)
     builder.parts.add("log")
     value = {"value": Raw(f"{builder.visible(part)[node.in_['value']]}.get")} if "value" in node.in_ else {}
     return call("Log", part.name, message=parameters["message"], **value)
+
+
+def _assigned(part: Part, node: model.Leaf, builder: ModuleBuilder, parameters: dict[str, object]) -> Bracketed:
+    """Return what gives a variable a literal, the value of an expression over inputs, or one more than it had."""
+    builder.parts |= {"assign", "variable"}
+    variables = builder.visible(part)
+    seen = {port: variables[variable] for port, variable in node.in_.items()}
+    match node.node:
+        case "flow/set":
+            body = f"copy.deepcopy({flat(literal(parameters['value']))})"
+        case "flow/compute":
+            body = _python(str(parameters["expression"]), seen)
+        case _:
+            before = f"({seen['count']}.get() or 0)" if "count" in node.in_ else "0"
+            body = f"{before} + {parameters['step']}"
+    written = [Raw(variables[variable]) for variable in node.out.values()]
+    return call("Assign", part.name, _function(body, "Any", f"value_of_{part.name}", builder), *written)
 
 
 def _grips(part: Part, builder: ModuleBuilder, builtin: Catalog, parameters: dict[str, object]) -> Bracketed:

@@ -17,6 +17,7 @@ from py_trees.common import Status
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import NotExpressibleError
+from grip_bt.base.values import Pose
 from grip_bt.cli.__main__ import main
 from grip_bt.formats.standalone import export
 from grip_bt.task import Task, read
@@ -184,3 +185,36 @@ def test_children_that_are_activated_again_are_those_of_py_trees_without_synchro
     assert "SuccessOnAll(synchronise=False)" in made
     ruled = export(Task.model_validate({"grip": 1, "name": "t", "root": {**root, "policy": "any"}}), Catalog.builtin())
     assert 'Parallel(policy="any", retick=True)' in ruled
+
+
+def test_flow_nodes_that_set_compute_and_count_need_no_grip() -> None:
+    children = {
+        "words": {"node": "flow/set", "with": {"value": ["a", "b'\""]}, "out": {"value": "words"}},
+        "count": {"node": "flow/count", "with": {"step": 2}, "in": {"count": "n"}, "out": {"count": "m"}},
+        "sum": {
+            "node": "flow/compute",
+            "with": {"expression": "a * 10 + len(b)"},
+            "in": {"a": "m", "b": "words"},
+            "out": {"value": "sum"},
+        },
+    }
+    types = {"words": "list[str]", "n": {"type": "int", "value": 1}, "m": "int", "sum": "int"}
+    text = of({"kind": "sequence", "children": children}, data=types)
+    assert "grip_bt" not in text
+    made: dict[str, Any] = {}
+    exec(compile(text, "flow.py", "exec"), made)
+    root = made["create_root"]()
+    assert made["run"](root) == "success"
+    given = {child.name: child.variable.get() for child in root.children}
+    assert given == {"words": ["a", "b'\""], "count": 3, "sum": 32}
+    assert "grip_bt" in of({"node": "flow/count", "with": {"limit": 3}}), "a limit is an outcome more"
+
+
+def test_an_initial_value_of_ours_is_made_of_its_fields() -> None:
+    pose = {"position": [0.1, 0.2, 0.3], "quaternion": [0.0, 1.0, 0.0, 0.0]}
+    leaf = {"node": "grasp/make", "with": {"approach": 0.1, "lift": 0.15}, "in": {"pose": "p"}, "out": {"grasp": "g"}}
+    text = of(leaf, data={"p": {"type": "Pose", "value": pose}, "g": "Grasp"})
+    (made,) = (
+        node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call) and ast.unparse(node.func) == "Pose"
+    )
+    assert eval(ast.unparse(made), {"Pose": Pose}) == Pose(**pose)
