@@ -118,6 +118,7 @@ _OTHERS: dict[str, tuple[str, ...]] = {
     "grip_bt.runtime": ("RunContext",),
     "py_trees.common": ("Status",),
 }
+_OWN_LEAVES = "It imports grip, since leaves of it are grip's own: they get the robot's parts from the run's context."
 
 
 def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> str:
@@ -184,10 +185,7 @@ def _template_values(
     if builder.builtin:
         manifests.insert(0, "NODES = Catalog.builtin()")
     head = [f"Task {resolved.task.name}, written by `grip convert --to pytrees-py`.", resolved.task.doc]
-    if builder.grip:
-        head += [
-            "It imports grip, since leaves of it are grip's own: they get the robot's parts from the run's context."
-        ]
+    head += [_OWN_LEAVES] if builder.grip else []
     values: dict[str, object] = {
         "head": "\n#\n".join(comment(text) for text in head if text),
         "grip": builder.grip,

@@ -30,8 +30,7 @@ _PLAIN = {"success": "success", "failure": "failure"}
 
 def initial(value: object, builder: ModuleBuilder) -> object:
     """Return an initial value of a variable; a value that is grip's own, such as a pose, is made of its fields."""
-    if hasattr(value, "tolist"):  # an array
-        return cast(object, value.tolist())
+    value = value.tolist() if hasattr(value, "tolist") else value  # of an array
     if isinstance(value, list | tuple):
         return [initial(item, builder) for item in value]
     if isinstance(value, Mapping):
