@@ -1,60 +1,14 @@
 // A newcomer, from an empty folder to a hand that holds something: choose a robot, take it, open its first task, run it. Then
-// what lacks is offered where it is missed. What the person does is counted; axe looks at every new screen, light and dark.
+// what lacks is offered where it is missed. What the person does is counted. (screens.mjs looks behind the other doors.)
 import assert from "node:assert/strict";
-import { existsSync, readFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { check } from "./axe.mjs";
 import { eventually, onPage, rest, url } from "./page.mjs";
 
-const [folder, robots] = rest;
+const [folder] = rest;
 const BUDGET = 5;
-
-// What is on each door's other side, looked at in both themes before anything is written.
-for (const colorScheme of ["light", "dark"]) {
-  await onPage(
-    url,
-    async (page, { button }) => {
-      const shoot = (name) => process.env.SHOTS && page.screenshot({ path: `${process.env.SHOTS}/${name}-${colorScheme}-${page.viewportSize().width}.png` });
-      const door = (name) => page.getByRole("group", { name: "How to begin" }).getByRole("button", { name: new RegExp(`^${name}`) });
-      const both = async (name) => {
-        await check(page, `${colorScheme}, ${name}`);
-        for (const [width, height] of process.env.SHOTS ? [[1920, 1080], [1280, 720]] : []) {
-          await page.setViewportSize({ width, height });
-          await shoot(name);
-        }
-      };
-      await door("Take a robot").waitFor();
-      await both("doors");
-      await door("Open an example").click();
-      await page.getByRole("list", { name: "Tasks of the example" }).getByText("reactive pick").waitFor();
-      await both("examples");
-      await door("Bring a task").click();
-      await page.getByRole("group", { name: "May its code be run?" }).waitFor();
-      await both("tasks from elsewhere");
-      await page.getByLabel("What it is").selectOption("grip");
-      await page.getByRole("list", { name: /^What lies in/ }).waitFor();
-      await door("Take a robot").click();
-      await page.getByLabel("Search the robots").fill("robotiq ur5");
-      await page.getByRole("list", { name: "Ready-made robots" }).getByRole("button", { name: /^ur5_robotiq/ }).click();
-      await page.getByRole("application").waitFor();
-      await both("robots");
-      // Files are browsed: up from the project to where a robot lies, and into its folder.
-      await button("My files ...").click();
-      for (const step of robots.split("/").filter(Boolean)) {
-        const crumb = page.getByRole("navigation", { name: "Folder" }).getByRole("button", { name: step, exact: true });
-        if ((await crumb.count()) > 0) await crumb.first().click();
-        else await page.getByRole("button", { name: step, exact: true }).click();
-        await page.locator("[aria-current=location]").getByText(step, { exact: true }).waitFor();
-      }
-      await page.getByRole("button", { name: "arm.urdf" }).click();
-      await page.getByRole("application", { name: /2 joints/ }).waitFor();
-      await both("files");
-      assert.equal(existsSync(join(folder, "grip.yaml")), false);
-    },
-    { colorScheme, reducedMotion: "reduce" },
-  );
-}
 
 // The first run. Four presses, and a fifth that runs it.
 let actions = 0;

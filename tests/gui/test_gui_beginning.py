@@ -41,6 +41,13 @@ def test_robots_and_examples_are_told_with_a_sentence_each(page: TestClient) -> 
     assert {"reactive_pick", "count_up"} <= {task for task, doc in told(page, "examples").items() if doc}
 
 
+def test_arms_with_hands_are_told_with_what_they_are_made_of(page: TestClient) -> None:
+    pairs = told(page, "pairs")
+    assert (pairs["ur10_allegro"]["arm"], pairs["ur10_allegro"]["hand"]) == ("ur10", "allegro_right")
+    assert all(pair["mount"]["link"] for pair in pairs.values())
+    assert {pair[part] for pair in pairs.values() for part in ("arm", "hand")} <= told(page, "robots").keys()
+
+
 def test_a_folder_tells_names_of_folders_and_of_what_can_be_taken(page: TestClient, tmp_path: Path) -> None:
     (tmp_path / "ws" / "arm_moveit" / "config").mkdir(parents=True)
     (tmp_path / "ws" / "arm_moveit" / "config" / "arm.srdf").write_text("<robot/>")

@@ -217,12 +217,26 @@ def test_a_task_is_built_and_run_by_keys_and_by_ear_as_the_docs_say(folder: Path
 @pytest.mark.slow
 @pytest.mark.sim
 def test_a_newcomer_comes_from_an_empty_folder_to_a_hand_that_holds_something(tmp_path: Path) -> None:
+    folder = tmp_path / "empty"
+    folder.mkdir()
+    with editing(folder) as (_, url):
+        command = browser("first_run.mjs", url, str(folder))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
+@pytest.mark.sim
+def test_every_screen_can_be_used_by_everybody_in_light_and_dark(tmp_path: Path) -> None:
+    """With `SCREENS`, a folder, pictures of all of them are written there, at 1280x720 and 1920x1080."""
     folder, robots = tmp_path / "empty", tmp_path / "robots"
     folder.mkdir()
     robots.mkdir()
     (robots / "arm.urdf").write_text(ARM)
     with editing(folder) as (_, url):
-        command = browser("first_run.mjs", url, str(folder), str(robots))
+        pictures = [os.environ["SCREENS"]] if "SCREENS" in os.environ else []
+        command = browser("screens.mjs", url, str(folder), str(robots), *pictures)
         done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
 

@@ -31,6 +31,12 @@ def robots() -> dict[str, str]:
     return {name: file.read_text("utf-8").partition("\n")[0].lstrip("# ") for name, file in sorted(ROBOTS.items())}
 
 
+def pairs() -> dict[str, dict[str, Any]]:
+    """Return, of each ready-made arm with a hand, which arm and hand it is made of, and its `mount`."""
+    made = {name: data_in(file) or {} for name, file in sorted(ROBOTS.items())}
+    return {name: {k: said[k] for k in ("arm", "hand", "mount")} for name, said in made.items() if "arm" in said}
+
+
 def browse(at: str, folder: Path) -> wire.FolderView:
     """Return what lies in a folder of this machine, `folder` where none is given: names, never what is in a file."""
     here = Path(at) if at else folder

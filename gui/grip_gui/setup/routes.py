@@ -119,6 +119,7 @@ def make_setup_router(
 
 def _add_beginning(api: APIRouter, folder: ProjectFolder, runner: CommandRunner, changed: Callable[[], None]) -> None:
     api.get("/robots")(beginning.robots)
+    api.get("/pairs")(beginning.pairs)
     api.get("/examples")(beginning.examples)
 
     @api.get("/browse")

@@ -1,5 +1,5 @@
 /** What a project needs to run a task, what it has of that, and what a node lacks. */
-import type { TopicView } from "../protocol/generated";
+import type { SceneItem, TopicView } from "../protocol/generated";
 import type { Key } from "./shapes";
 
 /** What a project needs to run a task. */
@@ -55,19 +55,31 @@ export function toBeMade(nodes: readonly { id: string }[]): { id: string; doc: s
   return [...camera, { id: NEW_COMPONENT, doc: "Software of others as a node: made of a .srv or .action." }];
 }
 
-/** Something of a world, as it is seen from above; lengths in m. */
+/** Something of a world, as its file says it; lengths in m. */
 export interface Thing {
   readonly kind: "fixtures" | "regions" | "objects";
   readonly name: string;
+  /** The middle of its underside. */
   readonly at: readonly [number, number, number];
   /** Along x and y, before it is turned. */
   readonly size: readonly [number, number];
+  readonly high: number;
   readonly yaw: number;
   readonly round: boolean;
 }
 
+/** What of a world has a place, as it is drawn in 3D; what the file says nothing of is as wide and as high as things of the library are. */
+export function sceneOfWorld(data: unknown): Record<string, SceneItem> {
+  const items = thingsOf(data).map(({ kind, name, at: [x, y, z], size: [a, b], high, yaw, round }): [string, SceneItem] => {
+    const at = [x, y, z + high / 2, Math.cos(yaw / 2), 0, 0, Math.sin(yaw / 2)];
+    return [`${kind} ${name}`, { kind: round ? "cylinder" : "box", size: round ? [a / 2, high] : [a, b, high], body: "", at, hand: "", fixed: kind !== "objects" }];
+  });
+  return Object.fromEntries(items);
+}
+
 /** How wide something is drawn whose file doesn't say it, such as an object of the library. */
 const UNKNOWN = 0.07;
+const UNKNOWN_HEIGHT = 0.1;
 
 /** What of a world's file has a place, the largest first; what a seed draws into a region hasn't. */
 export function thingsOf(data: unknown): Thing[] {
@@ -78,10 +90,10 @@ export function thingsOf(data: unknown): Thing[] {
     Object.entries((file[kind] ?? {}) as Record<string, Record<string, unknown> | null>).flatMap(([name, said]) => {
       const [x, y, z = 0] = numbers(said?.at ?? (kind === "fixtures" ? [0, 0, 0] : undefined));
       if (said === null || typeof said !== "object" || x === undefined || y === undefined) return [];
-      const [a, b] = numbers(said.box ?? said.open_box ?? said.size);
+      const [a, b, c] = numbers(said.box ?? said.open_box ?? said.size);
       const radius = one(said.radius);
       const wide = radius === undefined ? (one(said.width) ?? UNKNOWN) : 2 * radius;
-      const thing: Thing = { kind, name, at: [x, y, z], size: [a ?? wide, b ?? a ?? wide], yaw: one(said.yaw) ?? 0, round: kind === "objects" && said.shape !== "box" };
+      const thing: Thing = { kind, name, at: [x, y, z], size: [a ?? wide, b ?? a ?? wide], high: c ?? one(said.height) ?? (radius === undefined ? UNKNOWN_HEIGHT : 2 * radius), yaw: one(said.yaw) ?? 0, round: kind === "objects" && said.shape !== "box" };
       return [thing];
     }),
   );

@@ -18,9 +18,10 @@ export const FAR = 0.62;
 /**
  * The part of the drawing that a pane shows, in whole tiles, so that it changes seldom while the drawing is moved. Near,
  * where elements are many to a tile and each costs something in every step, tiles are smaller.
+ * @param moving whether it is dragged: then few elements are there.
  */
-export function areaInSight([x, y, zoom]: readonly [number, number, number], width: number, height: number): Area {
-  const tile = Math.max(width, height, 400) / (zoom < FAR ? 2 : 5) / zoom;
+export function areaInSight([x, y, zoom]: readonly [number, number, number], width: number, height: number, moving = false): Area {
+  const tile = Math.max(width, height, 400) / (zoom < FAR || moving ? 2 : 5) / zoom;
   const floor = (at: number): number => Math.floor(at / tile) * tile;
   const ceil = (at: number): number => Math.ceil(at / tile) * tile;
   return { left: floor(-x / zoom), top: floor(-y / zoom), right: ceil((width - x) / zoom), bottom: ceil((height - y) / zoom) };

@@ -74,6 +74,13 @@ function ownName(): string {
   return name;
 }
 
+/** What a ready-made arm with a hand is made of. */
+export interface Pair {
+  readonly arm: string;
+  readonly hand: string;
+  readonly mount: { readonly link: string };
+}
+
 /** A request that the server refused; `kind` says what the page can do about it. */
 export class RefusedError extends Error {
   constructor(
@@ -157,6 +164,7 @@ export const server = {
   setupInterface: (request: InterfaceRequest) => ask<InterfaceView>("setup/interface", request),
   setupImport: (request: ImportRequest) => ask<ImportView>("setup/import", request),
   robots: () => ask<Record<string, string>>("setup/robots"),
+  pairs: () => ask<Record<string, Pair>>("setup/pairs"),
   examples: () => ask<Record<string, string>>("setup/examples"),
   browse: (at: string) => ask<FolderView>(`setup/browse?at=${encodeURIComponent(at)}`),
   begin: (request: BeginRequest) => ask<BeginView>("setup/begin", request),

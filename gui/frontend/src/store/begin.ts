@@ -1,16 +1,16 @@
 /** How a project begins: with a robot, a task from elsewhere, or an example; and what it lacks, which can be added. */
 import { create } from "zustand";
 
-import { lackingFor, NEEDS, NEW_COMPONENT, partsOf } from "../model/parts";
+import { lackingFor, NEEDS, NEW_COMPONENT, type Part, partsOf } from "../model/parts";
 import { valueAt } from "../model/shapes";
 import { server } from "../protocol/client";
-import type { BeginView } from "../protocol/generated";
+import type { BeginView, GeometryView } from "../protocol/generated";
 import { askChoice, type Option } from "./ask";
 import { openTask } from "./desk";
 import { setRobotOpen, useRobot } from "./live";
 import { goToTree, usePage } from "./page";
 import { useRun } from "./run";
-import { openSetup, refreshed, report, saveSetup, setValue, isDirty, useSetup } from "./setup";
+import { openSetup, refreshed, removeValue, report, saveSetup, setValue, isDirty, useSetup } from "./setup";
 import { useProject } from "./tasks";
 
 export interface BeginStore {
@@ -101,15 +101,57 @@ export async function provided(node: string): Promise<boolean> {
   ];
   const answer = await askChoice({ title: `The project has no ${lacking.word} yet`, label: `${node} needs one`, options });
   if (answer === "choose") chooseRobot();
-  return answer === "anyway" || (answer === "add" && (await added()));
+  return answer === "anyway" || (answer === "add" && (await added(lacking.what)));
 }
 
-/** Add what the robot has; what keeps it from that is said. */
-export async function added(): Promise<boolean> {
+/** Add what the robot has; what keeps it from that is said. A hand that an arm doesn't have, or an arm below a hand, is chosen among the ready-made. */
+export async function added(what: Part["what"] = "robot"): Promise<boolean> {
   const done = await begin("");
   const { error } = useBegin.getState();
   if (error) useRun.getState().setError(error);
-  return done;
+  return done && ((what !== "hands" && what !== "arms") || (await joined(what)));
+}
+
+const whatIsThere = async (): Promise<unknown> => (await server.setupFile("grip.yaml")).data;
+
+/** Where the project still has no hands, or no arms: ask which, and put them together with what there is. */
+async function joined(what: "hands" | "arms"): Promise<boolean> {
+  const data = await whatIsThere();
+  const robot = valueAt(data, ["robot"]);
+  if (partsOf(data, []).some((part) => part.what === what && part.names.length > 0) || robot === undefined) return true;
+  const [lacks, has] = what === "hands" ? (["hand", "arm"] as const) : (["arm", "hand"] as const);
+  const [pairs, docs] = await Promise.all([server.pairs(), server.robots()]);
+  const made = Object.entries(pairs).filter(([, pair]) => pair[has] === robot);
+  const others = [...new Set(Object.values(pairs).map((pair) => pair[lacks]))].filter((name) => !made.some(([, pair]) => pair[lacks] === name));
+  const options: Option[] = [
+    ...made.map(([name, pair]) => ({ value: name, label: pair[lacks], detail: docs[name] ?? "" })),
+    ...others.map((name) => ({ value: `/${name}`, label: name, detail: docs[name] ?? "" })),
+  ];
+  const answer = await askChoice({ title: `Which ${lacks}?`, label: `The robot has no ${lacks} of its own`, options, search: true });
+  if (answer === null) return false;
+  await openSetup("grip.yaml");
+  if (!answer.startsWith("/")) return (await freed(data)) && (await begin(answer));
+  const both = { [has]: robot, [lacks]: answer.slice(1) };
+  const [ofArm, ofHand] = (["arm", "hand"] as const).map((part) => Object.values(pairs).find((pair) => pair[part] === both[part])?.mount);
+  await setValue(["robot"], { ...both, mount: { ...ofHand, link: ofArm?.link ?? tipOf(useRobot.getState().view) } });
+  return (await freed(data)) && (await begin(""));
+}
+
+/** Worlds that are written for a robot that can't take anything yet. */
+const BARE = ["table", "empty"];
+
+/** What was written for the robot that lacked something makes room for what is written for the whole one; files stay. */
+async function freed(data: unknown): Promise<boolean> {
+  const bare = BARE.includes(String(valueAt(data, ["world"])));
+  for (const part of ["arms", "hands", ...(bare ? ["world", "sensors"] : [])]) if (valueAt(data, [part]) !== undefined) await removeValue([part]);
+  return saveSetup();
+}
+
+/** The link at an arm's end: the usual one, or what its last joint moves. */
+function tipOf(view: GeometryView | null): string {
+  const usual = ["tool0", "flange"].find((name) => view !== null && name in view.links);
+  const last = Object.values(view?.groups ?? {}).sort((one, other) => other.length - one.length)[0]?.at(-1);
+  return usual ?? view?.joints.find((joint) => joint.name === last)?.child ?? "tool0";
 }
 
 export function leaveBeginning(): void {

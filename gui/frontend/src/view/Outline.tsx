@@ -10,8 +10,8 @@ import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { OtherDots } from "./Presence";
 import { ROW_HEIGHT, useDropTarget, useWindow } from "./hooks";
-import { HoldMark, lensMark, ProblemMark } from "./marks";
 import { KindIcon, PhaseIcon } from "./icons";
+import { HoldMark, lensMark, ProblemMark } from "./marks";
 
 export function Outline(): JSX.Element {
   const nodes = useRun((s) => s.task.nodes);

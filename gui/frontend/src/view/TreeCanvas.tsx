@@ -9,7 +9,7 @@ import type { NodeView } from "../protocol/generated";
 import { openSubtask } from "../store/converting";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
-import { TreeNode } from "./TreeNode";
+import { subtitle, TreeNode } from "./TreeNode";
 import { Detail, type Face, Ground, Overview, Sketch, useLeastZoom, useSight, Whole } from "./drawing";
 
 const NODE_TYPES = { task: TreeNode };
@@ -31,7 +31,7 @@ export function TreeCanvas(): JSX.Element {
   const nodes = useMemo(() => drawn(shown.filter((node) => elements.has(node.path)), boxes, known), [elements, shown, boxes]);
   const strokes = useMemo(() => [{ path: linesIn(area, shown, boxes), color: "line-strong", width: 1 }], [area, shown, boxes]);
   const byPath = useRun((s) => s.index.byPath);
-  const faceOf = useCallback((path: string): Face => ({ name: byPath.get(path)?.name ?? "", shape: byPath.get(path)?.kind === "leaf" ? "leaf" : "container" }), [byPath]);
+  const faceOf = useCallback((path: string): Face => faceIn(byPath.get(path)), [byPath]);
   const mapped = useStore((s) => hasRoomForMap(s.width)) && shown.length > FEW_NODES;
   const leastZoom = useLeastZoom(boxes);
   const [begun, setBegun] = useState("");
@@ -95,6 +95,12 @@ export function TreeCanvas(): JSX.Element {
       <Follower boxes={boxes} begun={begun === path} mapped={mapped} />
     </ReactFlow>
   );
+}
+
+function faceIn(node: NodeView | undefined): Face {
+  if (node === undefined) return { name: "", shape: "leaf" };
+  const lines = [subtitle(node), ...node.on.map((edge) => `${edge.outcome} ${edge.ends ? "⇥" : "→"} ${edge.target}`)];
+  return { name: node.name, shape: node.kind === "leaf" ? "leaf" : "container", lines };
 }
 
 /** From where the task begins, as large as can be read. */

@@ -13,8 +13,8 @@ import { BriefSettings, briefSettings } from "./edit/ContainerForm";
 import { useForm } from "./edit/EditBar";
 import { Parameters, useFace } from "./edit/LeafForm";
 import { useDropTarget } from "./hooks";
-import { HoldMark, lensMark, ProblemMark } from "./marks";
 import { KindIcon, PhaseIcon } from "./icons";
+import { HoldMark, lensMark, ProblemMark } from "./marks";
 import { isNear } from "./drawing";
 
 export function TreeNode({ data }: NodeProps): JSX.Element {
@@ -89,7 +89,7 @@ function Fold({ node }: { node: NodeView }): JSX.Element {
   );
 }
 
-function subtitle(node: NodeView): string {
+export function subtitle(node: NodeView): string {
   if (node.kind === "leaf") return node.label;
   const kind = kindTitle(node.kind);
   return node.label ? `${kind}, ${node.label}` : kind;

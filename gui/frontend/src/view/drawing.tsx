@@ -1,5 +1,5 @@
 /** What the tree and the flow chart share: what is in sight, the zoom's buttons, the map; and the sketch that stands for boxes too small to be read. */
-import { ControlButton, Controls, Panel, type ReactFlowState, useReactFlow, useStore, type Viewport } from "@xyflow/react";
+import { ControlButton, Controls, Panel, type ReactFlowState, useReactFlow, useStore, useStoreApi, type Viewport } from "@xyflow/react";
 import { type JSX, type PointerEvent, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
 
 import type { Box } from "../model/layout";
@@ -17,15 +17,27 @@ export const isNear = (s: ReactFlowState): boolean => s.transform[2] >= NEAR;
 const isFar = (s: ReactFlowState): boolean => s.transform[2] < FAR;
 /** So many boxes are elements at most: the less can be read of them, the fewer. */
 const mostElements = ({ transform: [, , zoom] }: ReactFlowState): number => (zoom < NAMED ? FEW : zoom < FAR ? MANY : Infinity);
-const areaOf = (s: ReactFlowState): Area => areaInSight(s.transform, s.width, s.height);
+const areaOf = (s: ReactFlowState): Area => areaInSight(s.transform, s.width, s.height, s.paneDragging);
+
+/** Whether the drawing is being dragged, and has moved for it: a press alone is no motion. */
+function useMoving(): boolean {
+  const held = useStore((s) => s.paneDragging);
+  const { getState } = useStoreApi();
+  const from = useRef<ReactFlowState["transform"] | null>(null);
+  if (!held) from.current = null;
+  else from.current ??= getState().transform;
+  return useStore((s) => s.paneDragging && from.current !== null && s.transform.some((each, at) => each !== from.current?.[at]));
+}
 const sameArea = (one: Area, other: Area): boolean => one.left === other.left && one.top === other.top && one.right === other.right && one.bottom === other.bottom;
 
 export interface Sight {
   readonly area: Area;
   /** What touches the area, in the order of the boxes. */
   readonly inside: ReadonlySet<string>;
-  /** Whether that is so much, and so small, that it is drawn as a sketch, and only `real` are elements of the page. */
+  /** Whether that is so much, and so small or in motion, that it is drawn as a sketch, and only `real` are elements of the page. */
   readonly sketched: boolean;
+  /** Whether smaller print than names can't be read. */
+  readonly far: boolean;
   /** What is selected, and what something is dragged over: it can be dropped there. */
   readonly real: ReadonlySet<string>;
   /** What the style sheet has to know: elements over a sketch leave the pointer to it, so that a drag moves the drawing. */
@@ -42,7 +54,8 @@ export function useSight(boxes: ReadonlyMap<string, Box>): Sight {
   const area = useMemo(() => ({ left, top, right, bottom }), [left, top, right, bottom]);
   const inside = useMemo(() => idsIn(area, boxes), [area, boxes]);
   const most = useStore(mostElements);
-  const sketched = inside.size > most;
+  const moving = useMoving();
+  const sketched = inside.size > most || (moving && boxes.size > MANY);
   const selected = usePage((s) => s.selected);
   const [pointed, setPointed] = useState<string | null>(null);
   const real = useMemo(() => new Set([selected, pointed].filter((id) => id !== null && inside.has(id)) as string[]), [selected, pointed, inside]);
@@ -57,7 +70,8 @@ export function useSight(boxes: ReadonlyMap<string, Box>): Sight {
     return found;
   };
   const look = !sketched ? "" : pointed === null ? "sketched" : "sketched over";
-  return { area, inside, sketched, real, look, at, dragged: (event) => setPointed(event && at(event)) };
+  const far = useStore(isFar);
+  return { area, inside, sketched, far, real, look, at, dragged: (event) => setPointed(event && at(event)) };
 }
 
 /** Tells the style sheet how much nodes show. */
@@ -86,6 +100,17 @@ export interface Face {
   readonly shape: "leaf" | "container" | "open" | "end" | "start";
   /** Of an end. */
   readonly meaning?: string | undefined;
+  /** What stands below the name, where it can be read. */
+  readonly lines?: readonly string[];
+  /** What the outcomes at its right border mean. */
+  readonly ports?: readonly string[];
+}
+
+/** Words at a place of the drawing, in a variable of the style sheet. */
+export interface Label {
+  readonly text: string;
+  readonly at: { readonly x: number; readonly y: number };
+  readonly color: string;
 }
 
 interface SketchProps {
@@ -93,7 +118,10 @@ interface SketchProps {
   readonly boxes: ReadonlyMap<string, Box>;
   readonly strokes: readonly Stroke[];
   readonly faceOf: (id: string) => Face | undefined;
+  readonly labels?: readonly Label[];
 }
+
+const NO_LABELS: readonly Label[] = [];
 
 /** A box is sketched at least so wide [px]: of a long flat tree nothing else would be seen. */
 const LEAST = 6;
@@ -104,7 +132,7 @@ const MOST_DOTS = 4096;
  * The lines, and where boxes are sketched those too, as one picture of the area. It moves with the drawing: it is made
  * anew only when another area comes into sight, when the zoom changes, or what it shows.
  */
-export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, faceOf }: SketchProps): JSX.Element {
+export function Sketch({ sight: { area, inside, sketched, real }, boxes, strokes, faceOf, labels = NO_LABELS }: SketchProps): JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null);
   const zoom = useStore((s) => s.transform[2]);
   const phases = useRun((s) => (sketched ? s.moment.nodes : null));
@@ -127,12 +155,32 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
       known.set(name, value);
       return value;
     };
-    const line = 1 / zoom;
-    for (const stroke of sketched ? [] : strokes) draw(pen, stroke, color, 1);
-    if (!sketched) return;
+    // What can be read is as it is at rest: a motion that begins or ends changes little.
+    const near = zoom >= FAR;
+    const line = near ? 1 : 1 / zoom;
+    if (!sketched) {
+      // What is open would hide the lines in it: the ground of its element is drawn here.
+      pen.fillStyle = color("sunken");
+      for (const id of strokes.length > 0 ? inside : []) {
+        const { x, y, width, height } = boxes.get(id) as Box;
+        if (faceOf(id)?.shape === "open") pen.fillRect(x, y, width, height);
+      }
+      for (const stroke of strokes) draw(pen, stroke, color, 1);
+      return;
+    }
     const box = (id: string, fill: string, border: string, wide: number): void => {
       const { x, y, width: own, height } = boxes.get(id) as Box;
       const width = Math.max(own, LEAST * line);
+      if (near) {
+        pen.beginPath();
+        pen.roundRect(x + wide / 2, y + wide / 2, width - wide, height - wide, 7);
+        pen.fillStyle = color(fill);
+        pen.fill();
+        pen.strokeStyle = color(border);
+        pen.lineWidth = wide;
+        pen.stroke();
+        return;
+      }
       pen.fillStyle = color(border);
       pen.fillRect(x, y, width, height);
       if (height * zoom < 4 * wide) return;
@@ -142,7 +190,7 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
     const faces = [...inside].map((id) => [id, faceOf(id), phases?.get(id)?.phase ?? "idle"] as const);
     for (const [id, face] of faces) if (face?.shape === "open") box(id, "sunken", "line-strong", 1);
     // From very far lines are many to a dot: they grow thin, and boxes stay in sight.
-    for (const stroke of strokes) draw(pen, stroke, color, line * Math.min(1, zoom / NAMED));
+    for (const stroke of strokes) draw(pen, stroke, color, near ? 1 : line * Math.min(1, zoom / NAMED));
     // Where several lie on one dot, what has happened is seen.
     for (const [id, face, phase] of [...faces.filter(([, , phase]) => phase === "idle"), ...faces.filter(([, , phase]) => phase !== "idle")]) {
       if (face === undefined || face.shape === "open") continue;
@@ -164,6 +212,11 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
       const at = inside.has(id) ? boxes.get(id) : undefined;
       if (at) pen.strokeRect(at.x - 3 * line, at.y - 3 * line, at.width + 6 * line, at.height + 6 * line);
     }
+    if (near) {
+      for (const [id, face] of faces) if (face && !real.has(id)) write(pen, face, boxes.get(id) as Box, color, look.fontFamily);
+      for (const label of labels) tell(pen, label, color, look.fontFamily);
+      return;
+    }
     if (zoom < NAMED) return;
     pen.font = `600 22px ${look.fontFamily}`;
     pen.textBaseline = "middle";
@@ -172,8 +225,46 @@ export function Sketch({ sight: { area, inside, sketched }, boxes, strokes, face
       const { x, y, width, height } = boxes.get(id) as Box;
       if (face) pen.fillText(cut(face.name, width - 24), x + 12, face.shape === "open" ? y + 24 : y + height / 2);
     }
-  }, [area, boxes, faceOf, inside, marked, phases, sketched, strokes, dark, version, width, height, worst, zoom]);
+  }, [area, boxes, faceOf, inside, labels, marked, phases, real, sketched, strokes, dark, version, width, height, worst, zoom]);
   return <canvas ref={canvas} className="sketch" aria-hidden="true" style={{ left: area.left, top: area.top, width, height }} />;
+}
+
+/** What a box says where it can be read, with the places of what the style sheet makes of an element. */
+function write(pen: CanvasRenderingContext2D, { name, shape, meaning, lines = [], ports = [] }: Face, { x, y, width, height }: Box, color: (name: string) => string, family: string): void {
+  const put = (text: string, size: number, left: number, middle: number, look: string, weight = 400): void => {
+    pen.font = `${weight} ${size}px ${family}`;
+    pen.fillStyle = color(look);
+    pen.fillText(cut(text, x + width - left - 8, size), left, middle);
+  };
+  pen.textBaseline = "middle";
+  if (shape === "end" || shape === "start") return put(name, 13, x + 12, y + height / 2, meaning || "text", 600);
+  pen.strokeStyle = color("quiet");
+  pen.lineWidth = 1.6;
+  pen.beginPath();
+  pen.arc(x + 18, y + 15.5, 5, 0, 2 * Math.PI);
+  pen.stroke();
+  put(name, 13, x + 33, y + 16, "text", 600);
+  lines.forEach((text, at) => put(text, 12, x + 11, y + 35 + 18 * at + (at > 0 ? 5 : 0), "quiet"));
+  ports.forEach((meaning, at) => {
+    pen.beginPath();
+    pen.arc(x + width, y + 23 + 20 * at, 4.2, 0, 2 * Math.PI);
+    pen.fillStyle = color("surface");
+    pen.fill();
+    pen.strokeStyle = color(meaning);
+    pen.lineWidth = 1.5;
+    pen.stroke();
+  });
+}
+
+/** The words of a line, on a ground of their own. */
+function tell(pen: CanvasRenderingContext2D, { text, at: { x, y }, color: look }: Label, color: (name: string) => string, family: string): void {
+  pen.font = `11px ${family}`;
+  pen.textBaseline = "middle";
+  const wide = pen.measureText(text).width;
+  pen.fillStyle = color("surface");
+  pen.fillRect(x - wide / 2 - 4, y - 7, wide + 8, 14);
+  pen.fillStyle = color(look);
+  pen.fillText(text, x - wide / 2, y);
 }
 
 const PHASES = { running: 0, success: 0, failure: 0, interrupted: 0, error: 0 };
@@ -189,9 +280,9 @@ function draw(pen: CanvasRenderingContext2D, { path, color, width, dash = [], fi
   pen.setLineDash([]);
 }
 
-/** As many letters as there is room for, at 22 px. */
-function cut(text: string, room: number): string {
-  const most = Math.max(1, Math.floor(room / 12.5));
+/** As many letters as there is room for. */
+function cut(text: string, room: number, size = 22): string {
+  const most = Math.max(1, Math.floor(room / (0.57 * size)));
   return text.length <= most ? text : `${text.slice(0, most - 1)}…`;
 }
 

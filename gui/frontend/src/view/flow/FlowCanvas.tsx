@@ -2,7 +2,7 @@
 import { type Connection, type Edge, MarkerType, type Node, Position, ReactFlow, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
 import { type DragEvent, type JSX, type MouseEvent, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { parentOf } from "../../model/commands";
-import { isStart, LEAD, PORT_HEIGHT, targetName } from "../../model/flow";
+import { isStart, LEAD, PORT_HEIGHT, subtitleOf, targetName } from "../../model/flow";
 import { chartedIn, type FlowChart, isCharted, pinAt, type PlacedEdge, type PlacedItem, sceneOf } from "../../model/flowChart";
 import type { Box, Point } from "../../model/layout";
 import { type Area, FEW_NODES, hasRoomForMap, isInSight, MANY, touches } from "../../model/visibility";
@@ -15,7 +15,7 @@ import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { FormBadge } from "../edit/EditBar";
 import { drop, isDrag } from "../hooks";
-import { Detail, type Face, Ground, Overview, type Sight, Sketch, type Stroke, useLeastZoom, useSight, Whole } from "../drawing";
+import { Detail, type Face, Ground, type Label, Overview, type Sight, Sketch, type Stroke, useLeastZoom, useSight, Whole } from "../drawing";
 import { NewPane } from "../marks";
 import { EndNode, FlowEdgeLine, FlowNode, INSIDE, roundedToDot, StartNode } from "./FlowNode";
 import { useChart } from "./layouter";
@@ -51,12 +51,13 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
   const [edge, setEdge] = useState<string | null>(null);
   const [dragged, setDragged] = useState<{ id: string; x: number; y: number } | null>(null);
   const sight = useSight(boxes);
-  const { area, sketched } = sight;
+  const { area, sketched, far } = sight;
   const found = useMemo(() => foundIn(chart), [chart]);
   const parts = useMemo(() => partsOf(chart, found, sight, dragged?.id ?? null), [chart, found, sight.inside, sight.real, sketched, dragged?.id]);
   const nodes = useMemo(() => flowNodes(parts.items, boxes, dragged, sketched), [parts, boxes, dragged, sketched]);
   const edges = useMemo(() => flowEdges(chart, parts.edges, edge, dragged?.id ?? null), [chart, parts, edge, dragged?.id]);
-  const strokes = useMemo(() => strokesOf(chart, new Set(parts.edges), area, sketched), [chart, parts, area, sketched]);
+  const strokes = useMemo(() => strokesOf(chart, new Set(parts.edges), area, sketched && far), [chart, parts, area, sketched, far]);
+  const labels = useMemo(() => (sketched && !far ? labelsIn(chart, area) : []), [chart, area, sketched, far]);
   const faceOf = useCallback((id: string): Face | undefined => faceIn(found.known, id), [found]);
   const mapped = useStore((s) => hasRoomForMap(s.width)) && chart.items.length > FEW_NODES;
   const leastZoom = useLeastZoom(boxes);
@@ -113,7 +114,7 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
         deleteKeyCode={null}
         selectionKeyCode={null}
         multiSelectionKeyCode={null}
-        className={sight.look}
+        className={strokes.length > 0 && !sketched ? "lined" : sight.look}
         minZoom={leastZoom}
         maxZoom={2}
         onInit={() => setBegun(true)}
@@ -134,7 +135,7 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
       >
         <ViewportPortal>
           {!sketched && <Ground area={area} />}
-          {(sketched || strokes.length > 0) && <Sketch sight={sight} boxes={boxes} strokes={strokes} faceOf={faceOf} />}
+          {(sketched || strokes.length > 0) && <Sketch sight={sight} boxes={boxes} strokes={strokes} faceOf={faceOf} labels={labels} />}
         </ViewportPortal>
         <Whole boxes={boxes} begun={begun} least={READABLE} begin={beginning} middle />
         {mapped && <Overview boxes={boxes} />}
@@ -255,21 +256,32 @@ function partsOf(chart: FlowChart, { known, leaving }: Found, { inside, real, sk
   return { items: items.sort((one, other) => one.order - other.order), edges };
 }
 
-/** The edges that touch an area and aren't elements, those that look alike as one path. */
-function strokesOf(chart: FlowChart, elements: ReadonlySet<PlacedEdge>, area: Area, sketched: boolean): Stroke[] {
+/**
+ * The edges that touch an area and aren't elements, those that look alike as one path.
+ * @param plain whether nobody could see how their corners and heads are.
+ */
+function strokesOf(chart: FlowChart, elements: ReadonlySet<PlacedEdge>, area: Area, plain: boolean): Stroke[] {
   const lines = new Map<string, string[]>();
+  const add = (look: string, path: string): void => {
+    if (!lines.get(look)?.push(path)) lines.set(look, [path]);
+  };
   for (const edge of elements.size === chart.edges.length ? [] : chart.edges) {
     if (elements.has(edge) || !touches(edge.points, area)) continue;
-    const look = `${edge.meaning || "plain"} ${edge.derived ? "2 4" : ""}`;
+    const meaning = edge.meaning || "plain";
     const last = edge.points.at(-1) ?? { x: 0, y: 0 };
-    const head = sketched ? "" : `M${last.x - 5} ${last.y}l-9 -5v10z`;
-    const path = sketched ? `M${edge.points.map(({ x, y }) => `${x} ${y}`).join("L")}` : roundedToDot(edge.points) + head;
-    if (!lines.get(look)?.push(path)) lines.set(look, [path]);
+    add(`${meaning} ${edge.derived ? "2 4" : ""}`, plain ? `M${edge.points.map(({ x, y }) => `${x} ${y}`).join("L")}` : roundedToDot(edge.points));
+    if (!plain) add(`${meaning} head`, `M${last.x - 5} ${last.y}l-9 -5v10z`);
   }
   return [...lines].map(([look, paths]) => {
-    const [meaning, ...dash] = look.trim().split(" ");
-    return { path: paths.join(""), color: `edge-${meaning}`, width: meaning === "success" ? 1.8 : 1.3, dash: dash.map(Number) };
+    const [meaning, ...more] = look.trim().split(" ");
+    const filled = more[0] === "head";
+    return { path: paths.join(""), color: `edge-${meaning}`, width: meaning === "success" ? 1.8 : 1.3, filled, dash: filled ? [] : more.map(Number) };
   });
+}
+
+/** The words of the edges that touch an area. */
+function labelsIn(chart: FlowChart, area: Area): Label[] {
+  return chart.edges.flatMap(({ label, words, points, meaning }) => (label && words && touches(points, area) ? [{ text: label, at: words, color: meaning ? `edge-${meaning}` : "text" }] : []));
 }
 
 function faceIn(items: ReadonlyMap<string, PlacedItem>, id: string): Face | undefined {
@@ -277,7 +289,8 @@ function faceIn(items: ReadonlyMap<string, PlacedItem>, id: string): Face | unde
   if (placed === undefined) return undefined;
   const { kind, node, outcome = "", meaning } = placed.item;
   if (kind !== "node") return { name: outcome, shape: kind, meaning };
-  return { name: node?.name ?? "", shape: placed.ports !== null ? "open" : node?.kind === "leaf" ? "leaf" : "container" };
+  const lines = node ? [subtitleOf(node)] : [];
+  return { name: node?.name ?? "", shape: placed.ports !== null ? "open" : node?.kind === "leaf" ? "leaf" : "container", lines, ports: placed.ports === null ? placed.item.ports.map((port) => `edge-${port.meaning || "plain"}`) : [] };
 }
 
 /** @param flat whether each stands by itself: where a chart is sketched, what is around a box isn't an element. */

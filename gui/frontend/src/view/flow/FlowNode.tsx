@@ -10,8 +10,8 @@ import { useRun } from "../../store/run";
 import { OthersRing } from "../Presence";
 import { NodeSub } from "../TreeNode";
 import { useForm } from "../edit/EditBar";
-import { HoldMark, lensMark, ProblemMark } from "../marks";
 import { KindIcon, PhaseIcon } from "../icons";
+import { HoldMark, lensMark, ProblemMark } from "../marks";
 
 /** What stands before the names of the handles on a box's border that what is inside it leads to. */
 export const INSIDE = "#inside:";

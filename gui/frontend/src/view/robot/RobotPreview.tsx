@@ -1,9 +1,8 @@
 /** A robot before it runs: in 3D, its joints moved by sliders within their limits, its named states, what its files said. */
-import "./robot.css";
-
 import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef, useState } from "react";
 
-import type { GeometryView } from "../../protocol/generated";
+import type { GeometryView, SceneItem } from "../../protocol/generated";
+import type { Stand } from "../../model/timeline";
 import { keepState, taskThrough } from "../../store/begin";
 import { useDark } from "../hooks";
 import { isNear, makeReach } from "./reach";
@@ -13,9 +12,14 @@ interface PreviewProps {
   readonly view: GeometryView | null;
   /** Whether the joints can be moved. */
   readonly moves?: boolean;
+  /** What stands around it. */
+  readonly scene?: Readonly<Record<string, SceneItem>>;
 }
 
-export default function RobotPreview({ view, moves = false }: PreviewProps): JSX.Element {
+const REST: Stand = { t: 0, joints: new Map(), scene: {}, bodies: {}, ways: [], plans: [], touch: new Map(), press: [], hardest: 0 };
+const ALONE: Readonly<Record<string, SceneItem>> = {};
+
+export default function RobotPreview({ view, moves = false, scene = ALONE }: PreviewProps): JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null);
   const space = useRef<Space | null>(null);
   const [error, setError] = useState("");
@@ -26,6 +30,7 @@ export default function RobotPreview({ view, moves = false }: PreviewProps): JSX
     if (!canvas.current || !view || view.error) return;
     try {
       space.current = makeSpace(canvas.current, view);
+      space.current.show({ ...REST, scene }, [], [], false);
       space.current.fit();
       setReady(space.current);
     } catch (why) {
@@ -37,7 +42,8 @@ export default function RobotPreview({ view, moves = false }: PreviewProps): JSX
       setReady(null);
     };
   }, [view?.links]); // a position that is kept is no other shape
-  useEffect(() => space.current?.show({ t: 0, joints, scene: {}, bodies: {}, ways: [], plans: [], touch: new Map(), press: [], hardest: 0 }, [], [], false), [view, joints]);
+  const dark = useDark();
+  useEffect(() => space.current?.show({ ...REST, joints, scene }, [], [], false), [view, joints, scene, dark]);
   function onKeyDown(event: KeyboardEvent): void {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (turn) space.current?.turn(turn[0] ?? 0, turn[1] ?? 0);

@@ -1,6 +1,4 @@
 /** The robot in 3D at the shown moment: joints as measured, objects, what hands hold, frames and poses; also in words. */
-import "./robot.css";
-
 import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef, useState } from "react";
 
 import { newtonsOf, type Press, REACH, type Stand } from "../../model/timeline";

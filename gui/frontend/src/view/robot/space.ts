@@ -1,5 +1,5 @@
 /** The drawing: camera, light, ground, the robot, the scene around it, and poses; drawn only when something has changed. */
-import { AmbientLight, AxesHelper, Box3, CanvasTexture, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, type Object3D, PerspectiveCamera, Points, Scene, Sphere, Sprite, SpriteMaterial, Vector3, WebGLRenderer } from "three";
+import { AmbientLight, AxesHelper, Box3, CanvasTexture, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, type Object3D, PerspectiveCamera, Points, Scene, Sphere, Sprite, SpriteMaterial, SRGBColorSpace, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Stand } from "../../model/timeline";
@@ -27,7 +27,7 @@ export interface Space {
   /** Where the grasp frames are: hand -> x y z [m]. */
   grasps(): ReadonlyMap<string, readonly [number, number, number]>;
   from(side: Side): void;
-  /** Look at the whole robot, as near as it fits. */
+  /** Look at the whole robot and what stands around it, as near as it fits. */
   fit(): void;
   /** How the robot stands with its joints there, drawn small on a canvas. */
   picture(joints: ReadonlyMap<string, number>, on: HTMLCanvasElement): void;
@@ -108,7 +108,7 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
   }
 
   function fit(): void {
-    const around = new Box3().setFromObject(robot.root).getBoundingSphere(new Sphere());
+    const around = new Box3().setFromObject(robot.root).expandByObject(things).getBoundingSphere(new Sphere());
     aim = fit;
     controls.target.copy(around.center);
     camera.position.copy(around.center).add(new Vector3(1.15, -0.95, 0.65).normalize().multiplyScalar(Math.max(0.1, 2.75 * around.radius) * narrow()));
@@ -270,7 +270,9 @@ function label(text: string, color: string, ground: string): Sprite {
     pen.fillStyle = color;
     pen.fillText(text, 2 * PAD, canvas.height / 2);
   }
-  const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), depthTest: false, sizeAttenuation: false }));
+  const map = new CanvasTexture(canvas);
+  map.colorSpace = SRGBColorSpace;
+  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, sizeAttenuation: false }));
   sprite.center.set(-0.08, 0.5);
   sprite.onBeforeRender = (renderer, _, camera) => {
     const dot = (2 * Math.tan((camera as PerspectiveCamera).fov * (Math.PI / 360))) / Math.max(1, renderer.domElement.clientHeight);

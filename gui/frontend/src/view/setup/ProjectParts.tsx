@@ -1,10 +1,11 @@
 /** What a project has of what it needs to run, each that lacks with a button that adds it; a world from above, and what its camera sees. */
-import { type JSX, type KeyboardEvent, type PointerEvent, useEffect, useRef, useState } from "react";
+import { type JSX, type KeyboardEvent, lazy, type PointerEvent, Suspense, useEffect, useMemo, useRef, useState } from "react";
 
-import { partsOf, type Thing, thingsOf } from "../../model/parts";
+import { partsOf, sceneOfWorld, type Thing, thingsOf } from "../../model/parts";
 import { server } from "../../protocol/client";
 import type { SetupView } from "../../protocol/generated";
-import { begin, chooseRobot, useBegin } from "../../store/begin";
+import { added, chooseRobot, useBegin } from "../../store/begin";
+import { loadGeometry, useRobot } from "../../store/live";
 import { isDirty, saveSetup, setValue, useSetup } from "../../store/setup";
 import { useProject } from "../../store/tasks";
 
@@ -36,7 +37,7 @@ export function ProjectParts(): JSX.Element | null {
               <button onClick={chooseRobot}>Choose a robot ...</button>
             ) : (
               robot && (
-                <button disabled={busy !== ""} aria-label={`Add ${part.title.toLowerCase()}`} onClick={() => void begin("")}>
+                <button disabled={busy !== ""} aria-label={`Add ${part.title.toLowerCase()}`} onClick={() => void added(part.what)}>
                   Add
                 </button>
               )
@@ -46,7 +47,7 @@ export function ProjectParts(): JSX.Element | null {
       </ul>
       {busy && <p className="hint" role="status">{busy}</p>}
       {error && <p className="fault" role="alert">{error}</p>}
-      {made !== null && made.files.length === 0 && <p className="hint">The robot's files tell nothing more; what lacks is named in the form below.</p>}
+      {made !== null && made.files.length === 0 && <p className="hint">The robot's files tell nothing more; what lacks is named in the project's form.</p>}
     </div>
   );
 }
@@ -84,6 +85,22 @@ export function WorldPicture({ name, cameras }: { name: string; cameras: readonl
       <p role="status" className="hint">{said}</p>
       {picture && <img src={picture} alt={`What the camera ${seen} of the world ${name} sees, after everything has settled`} />}
     </section>
+  );
+}
+
+const RobotPreview = lazy(() => import("../robot/RobotPreview"));
+
+/** A world in 3D, as its file says it, with the project's robot. */
+export function WorldSpace({ data }: { data: unknown }): JSX.Element {
+  const view = useRobot((s) => s.view);
+  const scene = useMemo(() => sceneOfWorld(data), [data]);
+  useEffect(() => void loadGeometry(), []);
+  return (
+    <div className="world-space">
+      <Suspense fallback={<p className="hint loading">Loading the 3D view ...</p>}>
+        <RobotPreview view={view} scene={scene} />
+      </Suspense>
+    </div>
   );
 }
 
