@@ -108,7 +108,9 @@ class Presence:
             self._nameless += 1
         else:
             if page not in self._pages:
-                self._pages[page] = _Page(page, self._free("Viewer", first=1), self._free_colour())
+                uses = [page.colour for page in self._pages.values()]
+                colour = min(range(COLOURS), key=lambda colour: (uses.count(colour), colour))
+                self._pages[page] = _Page(page, self._free("Viewer", first=1), colour)
             self._pages[page].connections += 1
         self._changed()
 
@@ -151,7 +153,3 @@ class Presence:
         if not first and wanted not in taken:
             return wanted
         return next(name for number in count(first or 2) if (name := f"{wanted} {number}") not in taken)
-
-    def _free_colour(self) -> int:
-        uses = [page.colour for page in self._pages.values()]
-        return min(range(COLOURS), key=lambda colour: (uses.count(colour), colour))

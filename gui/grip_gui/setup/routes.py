@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from importlib.resources import files
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
@@ -56,10 +57,7 @@ def make_setup_router(
     api.get("/file")(desk.open)
     api.post("/check")(desk.check)
     api.post("/change")(desk.change)
-
-    @api.get("/names")
-    def names() -> dict[str, list[str]]:
-        return names_of(folder.folder)
+    api.get("/names")(partial(names_of, folder.folder))
 
     @api.post("/save")
     async def save(request: wire.SetupSave) -> wire.SetupView:
@@ -95,9 +93,8 @@ def make_setup_router(
         before = _stamps(folder)
         view = await runner.run(words)
         changed()
-        return wire.ImportView(
-            probe=view, tasks=sorted(path for path, at in _stamps(folder).items() if at != before.get(path))
-        )
+        tasks = sorted(path for path, at in _stamps(folder).items() if at != before.get(path))
+        return wire.ImportView(probe=view, tasks=tasks)
 
     _add_beginning(api, folder, runner, changed)
 
