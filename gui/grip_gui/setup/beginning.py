@@ -32,9 +32,8 @@ def robots() -> dict[str, str]:
 
 
 def pairs() -> dict[str, dict[str, Any]]:
-    """Return, of each ready-made arm with a hand, which arm and hand it is made of, and its `mount`."""
-    made = {name: data_in(file) or {} for name, file in sorted(ROBOTS.items())}
-    return {name: {k: said[k] for k in ("arm", "hand", "mount")} for name, said in made.items() if "arm" in said}
+    """Return what each ready-made arm with a hand says of itself: `arm`, `hand`, `mount`, and more."""
+    return {name: said for name, file in sorted(ROBOTS.items()) if "arm" in (said := data_in(file) or {})}
 
 
 def browse(at: str, folder: Path) -> wire.FolderView:

@@ -126,8 +126,7 @@ def _add_beginning(api: APIRouter, folder: ProjectFolder, runner: CommandRunner,
     @api.post("/begin")
     async def begin(request: wire.BeginRequest) -> wire.BeginView:
         beginning.check_request(request, folder.folder)
-        asked = {"folder": str(folder.folder), **request.model_dump()}
-        found = await runner.answer("grip_gui.setup.beginning", **asked)
+        found = await runner.answer("grip_gui.setup.beginning", folder=str(folder.folder), **request.model_dump())
         if "error" in found:
             raise GripError(found["error"])
         changed()
