@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -64,3 +65,13 @@ def test_the_hand_holds_it_in_simulation(tmp_path):
     assert worlds[0] == worlds[1]
     result = run(tmp_path / "tasks" / "take.yaml", robot="sim")
     assert result.status == "success", result
+
+
+def test_fingers_without_shapes_take_nothing_and_the_project_is_written_all_the_same():
+    robot = load_robot("ur5_gripper")
+    urdf = ElementTree.fromstring(robot.urdf)
+    fingers = {link for links in robot.finger_links.values() for link in links}
+    for link in (each for each in urdf.iter("link") if each.get("name") in fingers):
+        for shape in (*link.findall("collision"), *link.findall("visual")):
+            link.remove(shape)
+    assert first_grasp(replace(robot, urdf=ElementTree.tostring(urdf, "unicode")), str) == {}

@@ -150,10 +150,10 @@ def first_grasp(robot: RobotDescription, name: Callable[[str], str]) -> dict[str
     """
     model, rest = RobotModel(robot), robot.at_rest
     start = JointState(robot.joints, [rest.get(joint, 0.0) for joint in robot.joints])
-    scene = SceneSnapshot().with_object(BENCH)
+    scene, shown = SceneSnapshot().with_object(BENCH), {link_of(model.model, g) for g in model.geometry.geometryObjects}
     for end in robot.end_effectors:
         arm, mine = end.parent_group, set(robot.hands.get(end.group, ()))
-        fingers = [links for links in robot.finger_links.values() if set(links) & mine]
+        fingers = [links for links in robot.finger_links.values() if shown & mine & set(links)]
         state = next((name for name in RESTING if name in robot.named_states.get(arm, {})), None)
         if not fingers or state is None:
             continue
