@@ -90,6 +90,7 @@ await onPage(
       await look("a leaf and its form");
       await page.locator(".bar summary").click();
       await look("options of the run");
+      await choose("Pace", "0.25"); // or else it is over before it is held
       await page.keyboard.press("Escape");
       await button("Run").click();
       await page.getByLabel("State of the run").getByText(/^starting/).waitFor();
