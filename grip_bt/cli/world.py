@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,6 +29,7 @@ SEEDS = 20
 Faults = Callable[[str, Project], Iterator[GripError]]
 SPOT = (0.60, 0.0)
 """Where a thing stands on the table when its picture is taken [m]."""
+_here = partial(find_project, Path())
 
 
 def add_world(parser: argparse.ArgumentParser) -> None:
@@ -72,10 +74,6 @@ def add_object(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--parts", type=int, default=32, metavar="N", help="most convex parts, 32; 1: its hull")
     for each in (listed, show, check):
         each.add_argument("--json", action="store_true", help="print one JSON object")
-
-
-def _here() -> Project:
-    return find_project(Path.cwd())
 
 
 def _list(args: argparse.Namespace, files: dict[str, Path], told: Callable[[Path], str]) -> None:
