@@ -14,7 +14,7 @@ const BUDGET = 5;
 let actions = 0;
 await onPage(
   url,
-  async (page, { answer, button, nodeIs, pick, runIs, runIsStopped }) => {
+  async (page, { answer, button, fileIs, nodeIs, pick, runIs, runIsStopped }) => {
     const press = async (what) => (actions++, what.click());
     const has = page.getByRole("list", { name: "What the project has" });
     const shoot = async (name) => {
@@ -71,6 +71,10 @@ await onPage(
     await eventually(() => seen.evaluate((image) => image.naturalWidth).catch(() => 0), (width) => width > 0);
     await check(page, "world");
     await shoot("world");
+    await dragInSpace(page);
+    await button("Save").click();
+    await fileIs("saved");
+    assert.match(readFileSync(join(folder, "worlds/bench.yaml"), "utf8"), /block: \{model: block, at: \[0\.\d+, -?0\.\d+, 0\.\d+\]\}/);
     await button("Tasks").click();
     await button("Edit the task").click();
     await button("Edit the task").waitFor({ state: "detached" }); // the task is read again
@@ -85,3 +89,54 @@ await onPage(
   },
   { reducedMotion: "reduce" },
 );
+
+/** The block is dragged in the world's 3D drawing: the numbers follow, Shift lifts it, Esc takes it back, and beside it the camera is turned. */
+async function dragInSpace(page) {
+  const drawing = page.getByRole("application", { name: /^panda/ });
+  await drawing.scrollIntoViewIfNeeded();
+  const { x: left, y: top, width, height } = await drawing.boundingBox();
+  const pointed = () => drawing.getAttribute("data-pointed");
+  let near = [left, top];
+  async function toBlock() {
+    await page.mouse.move(...near);
+    for (let y = 0.3 * height; y < height && (await pointed()) !== "object block"; y += 10)
+      for (let x = 0.2 * width; x < width && (await pointed()) !== "object block"; x += 7) {
+        near = [left + x, top + y];
+        await page.mouse.move(...near);
+      }
+    assert.equal(await pointed(), "object block");
+    return near;
+  }
+  const at = async () => (await page.getByRole("group", { name: "Form" }).getByLabel("at", { exact: true }).evaluateAll((fields) => fields.map((field) => field.value))).join(" ");
+  /** Drag the block so far on the screen; give the numbers that were there before. */
+  async function drag(right, down, keys = () => undefined) {
+    const before = await at();
+    const [x, y] = await toBlock();
+    assert.equal(await drawing.evaluate((canvas) => canvas.style.cursor), "grab");
+    await page.mouse.down();
+    await page.mouse.move(x + right, y + down, { steps: 4 });
+    assert.equal(await drawing.evaluate((canvas) => canvas.style.cursor), "grabbing");
+    await page.getByText(/^object block at /).waitFor();
+    await keys();
+    await page.mouse.up();
+    near = [x + right, y + down];
+    return before;
+  }
+  const before = await drag(20, 10);
+  await eventually(at, (now) => now !== before);
+  const level = await at();
+  await page.keyboard.down("Shift");
+  await drag(0, -20);
+  await page.keyboard.up("Shift");
+  const lifted = await eventually(at, (now) => now !== level);
+  await drag(-20, 10, () => page.keyboard.press("Escape"));
+  await page.getByText(/^object block at /).waitFor({ state: "detached" });
+  await page.mouse.move(left + width - 8, top + height - 8);
+  await eventually(pointed, "");
+  const seen = await drawing.screenshot();
+  await page.mouse.down();
+  await page.mouse.move(left + width - 80, top + height - 8, { steps: 3 });
+  await page.mouse.up();
+  await eventually(async () => !(await drawing.screenshot()).equals(seen), true);
+  assert.equal(await at(), lifted);
+}

@@ -68,11 +68,15 @@ export interface Thing {
   readonly round: boolean;
 }
 
-/** What of a world has a place, as it is drawn in 3D; what the file says nothing of is as wide and as high as things of the library are. */
-export function sceneOfWorld(data: unknown): Record<string, SceneItem> {
-  const items = thingsOf(data).map(({ kind, name, at: [x, y, z], size: [a, b], high, yaw, round }): [string, SceneItem] => {
+/** What a thing is called among all of its world, such as "object mug". */
+export const nameOf = ({ kind, name }: Thing): string => `${kind.slice(0, -1)} ${name}`;
+
+/** Things as they are drawn in 3D; what the file says nothing of is as wide and as high as things of the library are. */
+export function sceneOf(things: readonly Thing[]): Record<string, SceneItem> {
+  const items = things.map((thing): [string, SceneItem] => {
+    const { kind, at: [x, y, z], size: [a, b], high, yaw, round } = thing;
     const at = [x, y, z + high / 2, Math.cos(yaw / 2), 0, 0, Math.sin(yaw / 2)];
-    return [`${kind} ${name}`, { kind: round ? "cylinder" : "box", size: round ? [a / 2, high] : [a, b, high], body: "", at, hand: "", fixed: kind !== "objects" }];
+    return [nameOf(thing), { kind: round ? "cylinder" : "box", size: round ? [a / 2, high] : [a, b, high], body: "", at, hand: "", fixed: kind !== "objects" }];
   });
   return Object.fromEntries(items);
 }

@@ -6,7 +6,7 @@ import type { Stand } from "../../model/timeline";
 import { keepState, taskThrough } from "../../store/begin";
 import { useDark } from "../hooks";
 import { isNear, makeReach } from "./reach";
-import { makeSpace, type Space } from "./space";
+import { type Dragging, makeSpace, type Space } from "./space";
 
 interface PreviewProps {
   readonly view: GeometryView | null;
@@ -14,12 +14,14 @@ interface PreviewProps {
   readonly moves?: boolean;
   /** What stands around it. */
   readonly scene?: Readonly<Record<string, SceneItem>>;
+  /** Told of what is dragged of that; without it nothing can be. */
+  readonly drags?: Dragging;
 }
 
 const REST: Stand = { t: 0, joints: new Map(), scene: {}, bodies: {}, ways: [], plans: [], touch: new Map(), press: [], hardest: 0 };
 const ALONE: Readonly<Record<string, SceneItem>> = {};
 
-export default function RobotPreview({ view, moves = false, scene = ALONE }: PreviewProps): JSX.Element {
+export default function RobotPreview({ view, moves = false, scene = ALONE, drags }: PreviewProps): JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null);
   const space = useRef<Space | null>(null);
   const [error, setError] = useState("");
@@ -42,6 +44,7 @@ export default function RobotPreview({ view, moves = false, scene = ALONE }: Pre
       setReady(null);
     };
   }, [view?.links]); // a position that is kept is no other shape
+  useEffect(() => void (drags && ready?.drags(drags)), [ready, drags]);
   const dark = useDark();
   useEffect(() => space.current?.show({ ...REST, joints, scene }, [], [], false), [view, joints, scene, dark]);
   function onKeyDown(event: KeyboardEvent): void {
@@ -61,7 +64,7 @@ export default function RobotPreview({ view, moves = false, scene = ALONE }: Pre
         ) : view === null ? (
           <p className="hint loading" role="status">Loading the robot's shape ...</p>
         ) : (
-          <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${view.name}: ${movable.length} joints. Arrow keys turn it, plus and minus go nearer and away.`} onKeyDown={onKeyDown} />
+          <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${view.name}: ${movable.length} joints. Arrow keys turn it, plus and minus go nearer and away.${drags ? " What stands there is moved in the plan by arrow keys, or in the form by number." : ""}`} onKeyDown={onKeyDown} />
         )}
       </div>
       {moves && view && !view.error && <Joints view={view} space={ready} joints={joints} set={setJoints} />}

@@ -1,5 +1,5 @@
 /** The drawing: camera, light, ground, the robot, the scene around it, and poses; drawn only when something has changed. */
-import { AmbientLight, AxesHelper, Box3, CanvasTexture, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, type Object3D, PerspectiveCamera, Points, Scene, Sphere, Sprite, SpriteMaterial, SRGBColorSpace, Vector3, WebGLRenderer } from "three";
+import { AmbientLight, AxesHelper, Box3, CanvasTexture, Color, DirectionalLight, EdgesGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial, LineSegments, type Material, Mesh, type MeshStandardMaterial, type Object3D, PerspectiveCamera, Points, Raycaster, Scene, Sphere, Sprite, SpriteMaterial, SRGBColorSpace, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Stand } from "../../model/timeline";
@@ -33,7 +33,19 @@ export interface Space {
   picture(joints: ReadonlyMap<string, number>, on: HTMLCanvasElement): void;
   turn(around: number, over: number): void;
   nearer(factor: number): void;
+  /** What stands around the robot can be dragged from now on. */
+  drags(told: Dragging): void;
   close(): void;
+}
+
+/** Told of what is dragged, by its name in the scene. Who is told shows it where it is by then. */
+export interface Dragging {
+  take(name: string): void;
+  /** So far from where it was when it was taken: x y z [m]. */
+  drag(by: readonly [number, number, number]): void;
+  drop(): void;
+  /** It goes back to where it was taken. */
+  back(): void;
 }
 
 /** Throws where the browser can't draw in 3D. */
@@ -149,10 +161,13 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
     traces.glow(stand);
     robot.stand(stood);
     const look = getComputedStyle(canvas);
-    for (const item of Object.values(stand?.scene ?? {})) {
+    for (const [name, item] of Object.entries(stand?.scene ?? {})) {
       const color = new Color(look.getPropertyValue(item.hand ? "--success" : item.fixed ? "--quiet" : "--running").trim());
-      (held.get(item.hand) ?? things).add(makeItem(item, color, stand?.bodies[item.body]));
+      const made = makeItem(item, color, stand?.bodies[item.body]);
+      made.name = name;
+      (held.get(item.hand) ?? things).add(made);
     }
+    outline();
     for (const cloud of clouds) {
       const points = makeCloud(cloud, new Color(look.getPropertyValue("--running").trim()));
       (robot.links.get(cloud.frame) ?? things).add(points);
@@ -171,6 +186,47 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
     draw();
   }
   const hung: Object3D[] = [];
+
+  /** What is pointed at with the mouse: the thing that would be dragged, or is. */
+  let pointed = "";
+  function outline(): void {
+    const thing = pointed && things.getObjectByName(pointed);
+    if (!(thing instanceof Mesh)) return;
+    const look = getComputedStyle(canvas);
+    const color = new Color(look.getPropertyValue("--accent").trim());
+    const edges = new LineSegments(new EdgesGeometry(thing.geometry, 30), new LineBasicMaterial({ color, depthTest: false, transparent: true }));
+    edges.renderOrder = 1;
+    const name = label(pointed, look.getPropertyValue("--text").trim(), look.getPropertyValue("--surface").trim());
+    name.renderOrder = 2;
+    (thing.material as MeshStandardMaterial).emissive.copy(color).multiplyScalar(0.3);
+    thing.add(edges, name);
+  }
+  function point(name: string): void {
+    if (name === pointed) return;
+    const before = pointed && things.getObjectByName(pointed);
+    if (before instanceof Mesh) {
+      for (const mark of before.children) free(mark);
+      before.clear();
+      (before.material as MeshStandardMaterial).emissive.set(0);
+    }
+    pointed = name;
+    canvas.dataset.pointed = name;
+    outline();
+    draw();
+  }
+  /** What would be taken: the smallest of what is seen there, as others are seen through. */
+  function under(ray: Raycaster): Hold | null {
+    scene.updateMatrixWorld(true);
+    const solid: Mesh[] = [];
+    robot.root.traverse((part) => part instanceof Mesh && solid.push(part));
+    const hidden = ray.intersectObjects(solid, false)[0]?.distance ?? Infinity;
+    const hits = ray.intersectObjects(things.children, false).filter((hit) => hit.object instanceof Mesh && hit.object.name !== "" && hit.distance < hidden);
+    const opaque = hits.findIndex((hit) => !((hit.object as Mesh).material as Material).transparent);
+    const seen = opaque < 0 ? hits : hits.slice(0, opaque + 1);
+    const [least] = seen.sort((one, other) => bulk(one.object as Mesh) - bulk(other.object as Mesh));
+    return least ? { name: least.object.name, at: least.point } : null;
+  }
+  let undrag: (() => void) | null = null;
 
   dress();
   from("front");
@@ -206,14 +262,118 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
       controls.update();
       draw();
     },
+    drags: (told) => {
+      undrag?.();
+      undrag = makeDrag(canvas, camera, under, point, told);
+    },
     close: () => {
       cancelAnimationFrame(asked);
+      undrag?.();
       sized.disconnect();
       dark.removeEventListener("change", dress);
       controls.dispose();
       renderer.dispose();
     },
   };
+}
+
+/** Where a thing is held, in the world [m]. */
+interface Hold {
+  readonly name: string;
+  readonly at: Vector3;
+}
+
+/** Of a look from nearly above, the mouse would move things up without end. */
+const STEEPEST = 0.3;
+/** A look along the ground would move things to the horizon: they stay within so many times their distance when they were taken. */
+const FARTHEST = 4;
+
+/** Things are dragged over the level plane through where they are held, with Shift up and down; elsewhere the camera is turned. */
+function makeDrag(canvas: HTMLCanvasElement, camera: PerspectiveCamera, under: (ray: Raycaster) => Hold | null, point: (name: string) => void, told: Dragging): () => void {
+  let held: (Hold & { readonly pointer: number; readonly by: Vector3; readonly far: number; last: PointerEvent }) | null = null;
+  const ray = new Raycaster();
+  function aim({ clientX, clientY }: PointerEvent): Raycaster {
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    camera.updateMatrixWorld();
+    ray.setFromCamera(new Vector2(((clientX - left) / width) * 2 - 1, 1 - ((clientY - top) / height) * 2), camera);
+    return ray;
+  }
+  /** Where the mouse is on the level plane at that height; null where it is beside it. */
+  function level(event: PointerEvent, height: number, far: number): Vector3 | null {
+    const { origin, direction } = aim(event).ray;
+    const away = (height - origin.z) / direction.z;
+    return away > 0 && away < far ? origin.clone().addScaledVector(direction, away) : null;
+  }
+  function look(event: PointerEvent): void {
+    const name = (held ?? under(aim(event)))?.name ?? "";
+    canvas.style.cursor = held ? "grabbing" : name ? "grab" : "";
+    point(name);
+  }
+  function leave(): void {
+    held = null;
+    canvas.style.cursor = "";
+    point("");
+  }
+  function down(event: PointerEvent): void {
+    const hold = held === null && event.button === 0 && !event.ctrlKey && !event.metaKey ? under(aim(event)) : null;
+    if (held === null && hold === null) return;
+    event.stopImmediatePropagation(); // the camera stays where it is
+    if (hold === null) return;
+    held = { ...hold, pointer: event.pointerId, by: new Vector3(), far: FARTHEST * camera.position.distanceTo(hold.at), last: event };
+    canvas.setPointerCapture(event.pointerId);
+    canvas.focus({ preventScroll: true });
+    told.take(hold.name);
+    look(event);
+  }
+  function move(event: PointerEvent): void {
+    if (held === null) {
+      if (event.buttons === 0) look(event);
+      return;
+    }
+    if (event.pointerId !== held.pointer) return;
+    const { by, last, far } = held;
+    const at = held.at.clone().add(by);
+    if (event.shiftKey) {
+      const away = at.clone().sub(camera.position);
+      const dot = (2 * away.length() * Math.tan(camera.fov * (Math.PI / 360))) / Math.max(1, canvas.clientHeight);
+      by.z -= ((event.clientY - last.clientY) * dot) / Math.max(STEEPEST, Math.hypot(away.x, away.y) / away.length());
+    } else {
+      const [from, to] = [level(last, at.z, far), level(event, at.z, far)];
+      if (from && to) by.add(to.sub(from));
+      else if (to === null) return;
+    }
+    held.last = event;
+    told.drag(by.toArray());
+  }
+  function up(event: PointerEvent): void {
+    if (event.pointerId !== held?.pointer) return;
+    held = null;
+    told.drop();
+    look(event);
+  }
+  function back(event: Event): void {
+    if (held === null || (event instanceof KeyboardEvent && event.key !== "Escape")) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    leave();
+    told.back();
+  }
+  const off = new AbortController();
+  const on = { signal: off.signal, capture: true };
+  canvas.addEventListener("pointerdown", down, on);
+  canvas.addEventListener("pointermove", move, on);
+  canvas.addEventListener("pointerup", up, on);
+  canvas.addEventListener("pointercancel", back, on);
+  canvas.addEventListener("pointerleave", () => held === null && leave(), on);
+  canvas.addEventListener("keydown", back, on);
+  return () => off.abort();
+}
+
+/** How large the box around a thing is [m³]. */
+function bulk({ geometry }: Mesh): number {
+  if (geometry.boundingBox === null) geometry.computeBoundingBox();
+  const { x, y, z } = (geometry.boundingBox ?? new Box3()).getSize(new Vector3());
+  return x * y * z;
 }
 
 /** Give back what the graphics card holds of an object and of what hangs on it. */

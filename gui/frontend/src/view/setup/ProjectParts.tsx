@@ -1,13 +1,14 @@
 /** What a project has of what it needs to run, each that lacks with a button that adds it; a world from above, and what its camera sees. */
 import { type JSX, type KeyboardEvent, lazy, type PointerEvent, Suspense, useEffect, useMemo, useRef, useState } from "react";
 
-import { partsOf, sceneOfWorld, type Thing, thingsOf } from "../../model/parts";
+import { nameOf, partsOf, sceneOf, type Thing, thingsOf } from "../../model/parts";
 import { server } from "../../protocol/client";
 import type { SetupView } from "../../protocol/generated";
 import { added, chooseRobot, useBegin } from "../../store/begin";
 import { loadGeometry, useRobot } from "../../store/live";
 import { isDirty, saveSetup, setValue, useSetup } from "../../store/setup";
 import { useProject } from "../../store/tasks";
+import type { Dragging } from "../robot/space";
 
 /** Of `grip.yaml` as it is shown, or else as it is saved. */
 export function ProjectParts(): JSX.Element | null {
@@ -90,32 +91,76 @@ export function WorldPicture({ name, cameras }: { name: string; cameras: readonl
 
 const RobotPreview = lazy(() => import("../robot/RobotPreview"));
 
-/** A world in 3D, as its file says it, with the project's robot. */
-export function WorldSpace({ data }: { data: unknown }): JSX.Element {
-  const view = useRobot((s) => s.view);
-  const scene = useMemo(() => sceneOfWorld(data), [data]);
-  useEffect(() => void loadGeometry(), []);
-  return (
-    <div className="world-space">
-      <Suspense fallback={<p className="hint loading">Loading the 3D view ...</p>}>
-        <RobotPreview view={view} scene={scene} />
-      </Suspense>
-    </div>
-  );
-}
-
 const MARGIN = 0.12;
 const GRID = 0.1;
 const ARROWS: Readonly<Record<string, readonly [number, number]>> = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
 const rounded = (length: number): number => Number((Math.round(length / 0.005) * 0.005).toFixed(3));
 
+/** A world, from above and in 3D with the project's robot: what is dragged in one of them moves in both, and its file has the place when it is dropped. */
+export function World({ data }: { data: unknown }): JSX.Element {
+  const known = useMemo(() => thingsOf(data), [data]);
+  const [held, setHeld] = useState<Thing | null>(null);
+  const things = useMemo(() => known.map((thing) => (held !== null && nameOf(thing) === nameOf(held) ? held : thing)), [known, held]);
+  const shown = useRef(things);
+  shown.current = things;
+  const drags = useMemo((): Dragging => {
+    let taken: Thing | undefined;
+    let moved: Thing | undefined;
+    return {
+      take: (name) => {
+        taken = shown.current.find((thing) => nameOf(thing) === name);
+        moved = undefined;
+      },
+      drag: (by) => {
+        if (taken === undefined) return;
+        const [x, y, z] = taken.at.map((each, axis) => (by[axis] ? rounded(each + by[axis]) : each)) as [number, number, number];
+        moved = { ...taken, at: [x, y, z] };
+        setHeld(moved);
+      },
+      drop: () => {
+        const dropped = moved;
+        if (taken === undefined || dropped === undefined) return;
+        taken = undefined;
+        // It stays where it was dropped until the file says so.
+        void setValue([dropped.kind, dropped.name, "at"], [...dropped.at]).then(() => setHeld((still) => (still === dropped ? null : still)));
+      },
+      back: () => {
+        taken = undefined;
+        setHeld(null);
+      },
+    };
+  }, []);
+  return (
+    <>
+      {known.length > 0 && <WorldPlan known={known} things={things} drags={drags} />}
+      <WorldSpace things={things} held={held} drags={drags} />
+    </>
+  );
+}
+
+/** A world in 3D, as its file says it, with the project's robot. */
+function WorldSpace({ things, held, drags }: { things: readonly Thing[]; held: Thing | null; drags: Dragging }): JSX.Element {
+  const view = useRobot((s) => s.view);
+  const scene = useMemo(() => sceneOf(things), [things]);
+  useEffect(() => void loadGeometry(), []);
+  return (
+    <figure className="world-plan">
+      <div className="world-space">
+        <Suspense fallback={<p className="hint loading">Loading the 3D view ...</p>}>
+          <RobotPreview view={view} scene={scene} drags={drags} />
+        </Suspense>
+      </div>
+      <figcaption className="hint">{held ? `${nameOf(held)} at ${held.at.join(", ")} m` : "Drag what stands there, with Shift up and down; Esc takes it back. Drag anything else to look from elsewhere."}</figcaption>
+    </figure>
+  );
+}
+
 /** A world from above, the robot looking up: what stands in it is moved by mouse, or with arrow keys by a centimetre. */
-export function WorldPlan({ view }: { view: SetupView }): JSX.Element | null {
+function WorldPlan({ known, things, drags }: { known: readonly Thing[]; things: readonly Thing[]; drags: Dragging }): JSX.Element {
   const plan = useRef<SVGSVGElement>(null);
-  const [held, setHeld] = useState<{ readonly name: string; readonly from: readonly [number, number]; readonly by: readonly [number, number] } | null>(null);
-  const things = thingsOf(view.data);
-  if (things.length === 0) return null;
-  const reach = things.flatMap(({ at: [x, y], size: [a, b] }) => [[x - a / 2, y - b / 2], [x + a / 2, y + b / 2]] as const);
+  const from = useRef<readonly [number, number] | null>(null);
+  // The plan stays as large while something is dragged out of it.
+  const reach = known.flatMap(({ at: [x, y], size: [a, b] }) => [[x - a / 2, y - b / 2], [x + a / 2, y + b / 2]] as const);
   const [far, near] = [Math.max(0.1, ...reach.map(([x]) => x)) + MARGIN, Math.min(-0.1, ...reach.map(([x]) => x)) - MARGIN];
   const [left, right] = [Math.max(0.1, ...reach.map(([, y]) => y)) + MARGIN, Math.min(-0.1, ...reach.map(([, y]) => y)) - MARGIN];
   function pointed(event: PointerEvent): readonly [number, number] {
@@ -123,8 +168,9 @@ export function WorldPlan({ view }: { view: SetupView }): JSX.Element | null {
     const scale = Math.max((left - right) / box.width, (far - near) / box.height);
     return [-event.clientY * scale, -event.clientX * scale];
   }
-  function moved({ kind, name, at }: Thing, by: readonly [number, number]): void {
-    if (by[0] !== 0 || by[1] !== 0) void setValue([kind, name, "at"], [rounded(at[0] + by[0]), rounded(at[1] + by[1]), at[2]]);
+  function end(how: "drop" | "back"): void {
+    if (from.current !== null) drags[how]();
+    from.current = null;
   }
   const lines = (from: number, to: number): number[] => Array.from({ length: Math.floor(to / GRID) - Math.ceil(from / GRID) + 1 }, (_, number) => (Math.ceil(from / GRID) + number) * GRID);
   return (
@@ -133,9 +179,7 @@ export function WorldPlan({ view }: { view: SetupView }): JSX.Element | null {
         <path className="plan-grid" d={[...lines(near, far).map((x) => `M${-left} ${-x}H${-right}`), ...lines(right, left).map((y) => `M${-y} ${-far}V${-near}`)].join("")} />
         <path className="plan-robot" d="M0 -0.09V0.06M-0.06 0H0.06M0 -0.09l-0.025 0.03M0 -0.09l0.025 0.03" />
         {things.map((thing) => {
-          const { kind, name, round, size, yaw } = thing;
-          const by = held?.name === name ? held.by : [0, 0];
-          const [x, y] = [thing.at[0] + (by[0] ?? 0), thing.at[1] + (by[1] ?? 0)];
+          const { kind, name, round, size, yaw, at: [x, y] } = thing;
           return (
             <g
               key={`${kind}/${name}`}
@@ -146,23 +190,24 @@ export function WorldPlan({ view }: { view: SetupView }): JSX.Element | null {
               transform={`translate(${-y} ${-x})`}
               onPointerDown={(event) => {
                 event.currentTarget.setPointerCapture(event.pointerId);
-                setHeld({ name, from: pointed(event), by: [0, 0] });
+                from.current = pointed(event);
+                drags.take(nameOf(thing));
               }}
               onPointerMove={(event) => {
-                if (held?.name !== name) return;
+                if (from.current === null) return;
                 const [ahead, aside] = pointed(event);
-                setHeld({ ...held, by: [ahead - held.from[0], aside - held.from[1]] });
+                drags.drag([ahead - from.current[0], aside - from.current[1], 0]);
               }}
-              onPointerUp={() => {
-                if (held?.name === name) moved(thing, held.by);
-                setHeld(null);
-              }}
-              onPointerCancel={() => setHeld(null)}
+              onPointerUp={() => end("drop")}
+              onPointerCancel={() => end("back")}
               onKeyDown={(event: KeyboardEvent) => {
                 const step = ARROWS[event.key];
+                if (event.key === "Escape") end("back");
                 if (!step) return;
                 event.preventDefault();
-                moved(thing, [step[0] / 100, step[1] / 100]);
+                drags.take(nameOf(thing));
+                drags.drag([step[0] / 100, step[1] / 100, 0]);
+                drags.drop();
               }}
             >
               {round ? <circle r={size[0] / 2} /> : <rect x={-size[1] / 2} y={-size[0] / 2} width={size[1]} height={size[0]} transform={`rotate(${(-yaw * 180) / Math.PI})`} />}

@@ -8,7 +8,7 @@ import { loadGeometry, useRobot } from "../../store/live";
 import { listSetup, type Making, openSetup, type Part, probe, saveSetup, setValue, report, useSetup } from "../../store/setup";
 import { ImportForm, InterfaceForm } from "./ImportForm";
 import { MessagesPage } from "./MessagesPage";
-import { ProjectParts, WorldPicture, WorldPlan, WorldSpace } from "./ProjectParts";
+import { ProjectParts, World, WorldPicture } from "./ProjectParts";
 import { MotionForm, SchemaForm } from "./SchemaForm";
 import { SetupText } from "./SetupText";
 import { SensorsPage, TopicsPage } from "./TopicsPage";
@@ -155,10 +155,9 @@ function Open({ view }: { view: SetupView }): JSX.Element {
           {view.kind === "project" && part === "" && <ProjectParts />}
           {view.kind === "project" && part === "" && <OwnRobot robot={JSON.stringify((view.data as { robot?: unknown } | null)?.robot ?? null)} />}
           {view.kind === "world" && (
-            <div className="worlds">
-              <WorldPlan view={view} />
-              <WorldSpace data={view.data} />
-              <WorldPicture key={view.path} name={view.path.replace(/^worlds\/|\.yaml$/g, "")} cameras={Object.keys((view.data as { cameras?: object } | null)?.cameras ?? {})} />
+            <div key={view.path} className="worlds">
+              <World data={view.data} />
+              <WorldPicture name={view.path.replace(/^worlds\/|\.yaml$/g, "")} cameras={Object.keys((view.data as { cameras?: object } | null)?.cameras ?? {})} />
             </div>
           )}
           {view.kind === "component" && <TryForm path={view.path} />}
