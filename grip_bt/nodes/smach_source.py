@@ -65,7 +65,7 @@ def read_source(path: Path) -> Source:
     except (OSError, SyntaxError, UnicodeDecodeError) as error:
         raise DocumentError(f"can't be read: {error}", str(path)) from error
     try:
-        tree = _parse(text, path)
+        tree = _parse(text)
         if _PYTHON_2.search(text):
             raise ValueError("is written for Python 2")
         return Source(path, text, tree, False)
@@ -74,16 +74,16 @@ def read_source(path: Path) -> Source:
             whole = text.expandtabs(_TAB)
             with _converting:
                 converted = str(_converter().refactor_string(whole + "\n" * (whole[-1:] != "\n"), str(path)))
-            return Source(path, converted, _parse(converted, path), True)
+            return Source(path, converted, _parse(converted), True)
         except Exception:  # noqa: BLE001 - the converter raises whatever it likes; the first error says what is wrong
             line = getattr(first, "lineno", None)
             raise DocumentError(f"is neither Python 3 nor Python 2: {first}", str(path), line) from first
 
 
-def _parse(text: str, path: Path) -> ast.Module:
+def _parse(text: str) -> ast.Module:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # invalid escapes in old regular expressions
-        return ast.parse(text, str(path))
+        return ast.parse(text)
 
 
 _converting = threading.Lock()  # the converter has sys.stderr be another one for a while
