@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { Motion, newtonsOf } from "../src/model/timeline";
+import { along, Motion, newtonsOf } from "../src/model/timeline";
 
 const BOX = { kind: "box" as const, size: [1, 1, 1], at: [0, 0, 0, 1, 0, 0, 0], hand: "", fixed: false, body: "" };
 const NOTHING = { q: {}, way: {}, plans: {}, touch: null, press: null, scene: null };
@@ -42,6 +42,12 @@ describe("the motion of a run", () => {
     expect(told(2)).toEqual([["left", "right"], [1]]);
     expect(told(3)).toEqual([["left", "left over", "right"], []]);
     expect(told(4)).toEqual([["left", "left over", "right over"], []]);
+  });
+  it("tells how far along a way an arm is, however it stands beside it", () => {
+    const way = [[0, 0], [1, 0], [1, 0], [1, 2]].map(([a = 0, b = 0]) => new Map([["a", a], ["b", b]]));
+    const at = (a: number, b: number) => along(way, new Map([["a", a], ["b", b], ["other", 9]]));
+    expect([at(-1, 0), at(0.25, -0.1), at(1, 0), at(1.1, 0.5), at(1, 9)]).toEqual([0, 0.25, 1, 2.25, 3]);
+    expect(along(way, new Map())).toBe(0);
   });
   it("has the contacts of a time, and the hardest of all for the scale of their arrows", () => {
     const hands = new Motion();

@@ -38,6 +38,19 @@ export interface Way {
   readonly points: readonly ReadonlyMap<string, number>[];
 }
 
+/** How far along a way joints are, counted in its points: where it comes nearest to them. */
+export function along(points: Way["points"], joints: ReadonlyMap<string, number>): number {
+  let [best, nearest] = [0, Number.POSITIVE_INFINITY];
+  points.slice(1).forEach((to, at) => {
+    const steps = [...(points[at] ?? [])].map(([joint, from]) => [(to.get(joint) ?? from) - from, (joints.get(joint) ?? from) - from] as const);
+    const length = steps.reduce((sum, [step]) => sum + step * step, 0);
+    const part = length === 0 ? 0 : Math.min(1, Math.max(0, steps.reduce((sum, [step, gone]) => sum + step * gone, 0) / length));
+    const off = steps.reduce((sum, [step, gone]) => sum + (gone - part * step) ** 2, 0);
+    if (off < nearest) [best, nearest] = [at + part, off];
+  });
+  return best;
+}
+
 /** How long the arrow of `newtonsOf` is [m], and the longest one is at most [m]. */
 export const REACH = 0.05;
 const LONGEST = 0.12;

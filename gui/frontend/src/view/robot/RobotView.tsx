@@ -167,9 +167,10 @@ function InWords({ stand, places, clouds, drawn, grasps }: Words): JSX.Element {
 
 /** What the lines and arrows that are drawn just now mean. */
 function Legend({ stand }: { stand: Stand }): JSX.Element | null {
+  const goes = stand.ways.some((way) => !way.over);
   const marks: [string, string][] = [
-    ...(stand.ways.some((way) => !way.over) ? [["way", "goes"] as [string, string]] : []),
-    ...(stand.plans.length > 0 ? [["plan", "planned"] as [string, string]] : []),
+    ...(goes ? [["way", "goes"] as [string, string]] : []),
+    ...(goes || stand.plans.length > 0 ? [["plan", "planned"] as [string, string]] : []),
     ...(stand.ways.some((way) => way.over) ? [["gone", "gone"] as [string, string]] : []),
     ...(stand.press.length > 0 ? [["force", `${REACH * 100} cm = ${newtonsOf(stand.hardest)} N`] as [string, string]] : []),
   ];

@@ -1,7 +1,7 @@
-/** What a robot does, drawn: the way that its hand goes, what is planned for it, and where it presses and how hard. */
+/** What a robot does, drawn: the way that its hand goes, what of it lies ahead, what else is planned, and where it presses and how hard. */
 import { CatmullRomCurve3, Color, ConeGeometry, CylinderGeometry, InstancedMesh, Mesh, MeshBasicMaterial, type MeshStandardMaterial, Object3D, SphereGeometry, TubeGeometry, Vector3 } from "three";
 
-import { newtonsOf, REACH, type Press, type Stand, type Way } from "../../model/timeline";
+import { along, newtonsOf, REACH, type Press, type Stand, type Way } from "../../model/timeline";
 import type { GeometryView } from "../../protocol/generated";
 import type { Robot } from "./body";
 
@@ -32,7 +32,13 @@ export function makeTraces(canvas: HTMLCanvasElement, view: GeometryView, robot:
       return last.getWorldPosition(new Vector3());
     });
     traced.set(way.points, points);
-    return points.every((point) => point.distanceTo(points[0] as Vector3) < 0.005) ? null : new CatmullRomCurve3(points);
+    return curved(points);
+  }
+  function goes(curve: CatmullRomCurve3, way: Way, joints: ReadonlyMap<string, number>): Object3D[] {
+    const at = along(way.points, joints);
+    const here = curve.getPoint(at / (way.points.length - 1));
+    const [behind, ahead] = [curved([...curve.points.slice(0, Math.ceil(at)), here]), curved([here, ...curve.points.slice(Math.floor(at) + 1)])];
+    return [...(behind ? [gone(behind, false, 0)] : []), ...(ahead ? [planned(ahead)] : [])];
   }
   function gone(curve: CatmullRomCurve3, over: boolean, age: number): Mesh {
     return new Mesh(new TubeGeometry(curve, 96, over ? 0.003 : 0.006, 6), new MeshBasicMaterial({ color: color(over ? "--quiet" : "--way"), transparent: true, opacity: over ? 0.8 / (1 + age) : 1 }));
@@ -63,12 +69,12 @@ export function makeTraces(canvas: HTMLCanvasElement, view: GeometryView, robot:
   }
   return {
     of: (stand) => {
-      const drawn = <T>(ways: readonly Way[], draw: (curve: CatmullRomCurve3, way: Way, age: number) => T): T[] =>
+      const drawn = (ways: readonly Way[], draw: (curve: CatmullRomCurve3, way: Way, age: number) => Object3D | Object3D[]): Object3D[] =>
         ways.flatMap((way, age) => {
           const curve = line(way, stand.joints);
-          return curve ? [draw(curve, way, age)] : [];
+          return curve ? draw(curve, way, age) : [];
         });
-      return [...drawn(stand.ways, (curve, way, age) => gone(curve, way.over, age)), ...drawn(stand.plans, planned), ...(stand.press.length > 0 ? contacts(stand.press, newtonsOf(stand.hardest)) : [])];
+      return [...drawn(stand.ways, (curve, way, age) => (way.over ? gone(curve, true, age) : goes(curve, way, stand.joints))), ...drawn(stand.plans, planned), ...(stand.press.length > 0 ? contacts(stand.press, newtonsOf(stand.hardest)) : [])];
     },
     glow: (stand) => {
       const hot = color("--failure");
@@ -84,6 +90,11 @@ export function makeTraces(canvas: HTMLCanvasElement, view: GeometryView, robot:
       }
     },
   };
+}
+
+/** A line through points; none where they are all in one place. */
+function curved(points: Vector3[]): CatmullRomCurve3 | null {
+  return points.every((point) => point.distanceTo(points[0] as Vector3) < 0.005) ? null : new CatmullRomCurve3(points);
 }
 
 /** Put the pieces of a drawing: where, which way their y goes, and how large they are. */
