@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { check } from "./axe.mjs";
-import { onPage, rest, url } from "./page.mjs";
+import { eventually, onPage, rest, url } from "./page.mjs";
 
 const [folder] = rest;
 const file = join(folder, "tasks/lists.yaml");
@@ -42,8 +42,11 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   await fileIs("saved");
 
   // Rules: made, filled, put in order, taken out.
-  await pick("both");
   const rules = page.getByRole("region", { name: "Rules" });
+  await eventually(async () => {
+    await pick("both"); // until what is selected first in a file that has just come has been
+    return rules.count();
+  }, 1);
   await rules.getByRole("button", { name: "New rule" }).click();
   const first = rules.getByRole("group", { name: "Rule 1" });
   await first.getByRole("group", { name: "two has ended with" }).getByLabel("failure", { exact: true }).check();

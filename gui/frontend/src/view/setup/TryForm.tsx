@@ -61,7 +61,7 @@ export function TryForm({ path }: { path: string }): JSX.Element {
         {view && view.error === "" && (
           <>
             <p>
-              Outcome <strong>{view.outcome}</strong> after {view.milliseconds.toFixed(1)} ms <span className="hint">{view.started}</span>
+              Outcome <strong>{view.outcome || "none: no rule holds"}</strong> after {view.milliseconds.toFixed(1)} ms <span className="hint">{view.started}</span>
             </p>
             <dl className="try-fields">
               {Object.entries(view.fields).map(([name, value]) => (
