@@ -431,9 +431,10 @@ def _prepared(frame: FrameType, more: str = "") -> bool:
 @lru_cache
 def _tries(file: Path) -> list[tuple[range, str]]:
     """Return the lines of each `try`, and what it takes."""
-    tries = (node for node in ast.walk(read_source(file).tree) if isinstance(node, ast.Try)) if file.is_file() else ()
-    caught: Any = lambda node: [ast.unparse(h.type or ast.Name("Exception")) for h in node.handlers]  # noqa: E731
-    return [(range(t.body[0].lineno, (t.body[-1].end_lineno or 0) + 1), " ".join(caught(t))) for t in tries]
+    tries = [node for node in ast.walk(read_source(file).tree) if isinstance(node, ast.Try)] if file.is_file() else []
+    caught = [" ".join(ast.unparse(h.type or ast.Name("Exception")) for h in node.handlers) for node in tries]
+    lines = [range(node.body[0].lineno, (node.body[-1].end_lineno or 0) + 1) for node in tries]
+    return list(zip(lines, caught, strict=True))
 
 
 def record(job: Job, warm: WarmProcesses) -> Record:
