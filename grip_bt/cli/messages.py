@@ -10,7 +10,6 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -26,15 +25,7 @@ from grip_bt.cli.terminal import on_stop, tell
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.types import type_name
 from grip_bt.ros.messages.service import MessageServer, RosMessages
-from grip_bt.ros.messages.wire import (
-    entry_rows,
-    joint_states_of,
-    message_of,
-    pack,
-    text_of_entry,
-    unpack,
-    value_from_text,
-)
+from grip_bt.ros.messages.wire import entry_rows, message_of, pack, text_of_entry
 
 T = TypeVar("T")
 ARCHIVE = "messages.sqlite"
@@ -122,14 +113,21 @@ def _run_show(args: argparse.Namespace) -> None:
         about = {"store": args.store, "name": entry.name, "time": entry.time, "provenance": entry.provenance}
         print(json.dumps({**about, "type": type_name(type(entry.value)), "message": plain_of(entry.value)}))
     else:
-        value = entry.value if args.message else unpack(args.store, pack(args.store, entry.value))
-        said = text_of(value) if args.message else text_of_entry(args.store, value)
+        said = text_of(entry.value) if args.message else text_of_entry(args.store, pack(args.store, entry.value))
         print(said.rstrip() or f"# a {type_name(type(entry.value))}, too large to print")
 
 
 def _run_put(args: argparse.Namespace) -> None:
+    given, by = [way for way in (args.value, args.file, args.topic) if way is not None], args.by or "grip messages"
+    if len(given) != 1:
+        several = "give the value in one way only" if given else "the value is missing"
+        raise GripError(f"{several}: say YAML, `-` (the standard input), `--file FILE` or `--topic TOPIC`")
     with _server() as server:
-        _done(server.put(args.store, args.name, _value(server, args), args.by or "grip messages"))
+        if args.topic is not None:
+            _done(server.put(args.store, args.name, server.next_of(args.topic, args.type, args.within), by))
+        else:
+            text = read_file(args.file) if args.file else sys.stdin.read() if args.value == "-" else args.value
+            _done(server.put_text(args.store, args.name, text, args.type, by))
 
 
 def _run_removal(args: argparse.Namespace) -> None:
@@ -164,20 +162,6 @@ def _change(store: str, kind: str, name: str, value: object, as_json: bool) -> s
         return json.dumps({"store": store, "change": kind, "name": name, "message": message})
     words = "" if value is None else " ".join(str(value).split())
     return f"{store:<14} {kind:<8} {name:<24} {words[:100]}{'...' if len(words) > 100 else ''}".rstrip()
-
-
-def _value(server: RosMessages, args: argparse.Namespace) -> Any:
-    given = [way for way in (args.value, args.file, args.topic) if way is not None]
-    if len(given) != 1:
-        several = "give the value in one way only" if given else "the value is missing"
-        raise GripError(f"{several}: say YAML, `-` (the standard input), `--file FILE` or `--topic TOPIC`")
-    if args.topic is not None:
-        return server.next_of(args.topic, args.type, args.within)
-    source = "value" if args.file is None else str(args.file)
-    text = read_file(source) if args.file else sys.stdin.read() if args.value == "-" else args.value
-    held = _done(server.listing())
-    type_ = args.type or dict(zip(held.stores, held.types, strict=True)).get(args.store, "")
-    return value_from_text(args.store, source, text, type_, partial(joint_states_of, server, _done))
 
 
 @contextmanager

@@ -70,6 +70,34 @@ def test_a_trajectory_that_names_the_servers_states_is_put_from_the_page_too(ask
     assert ask("show", "trajectories", "from_page")[0] == 0
 
 
+def test_another_program_reads_and_writes_a_message_as_text(ask, served):
+    import yaml
+
+    from grip_bt.ros.client.bus import Bus
+    from grip_bt.ros.client.types import load_type
+
+    entry = load_type("grip_msgs/msg/Entry")
+    pose = "{reference_frame: table, position: {x: 1, y: 0, z: 0}, orientation: {r: 0, p: 0, y: 0}}"
+    with Bus("somebody", domain_id=served) as bus:
+
+        def call(service: str, type_: str, **fields: object):
+            operation = bus.call(f"grip_msgs/srv/{type_}", f"/grip/messages/{service}", PATIENCE, PATIENCE, **fields)
+            assert operation.wait(PATIENCE)
+            return operation.result()
+
+        assert call("add", "AddMessage", entry=entry(store="poses", name="there", text=pose)).success
+        got = call("get", "GetMessage", store="poses", name="there").entry
+        assert yaml.safe_load(got.text)["position"] == {"x": 1.0, "y": 0.0, "z": 0.0}
+        assert call("add", "AddMessage", entry=entry(store="poses", name="again", text=got.text)).success
+        assert call("get", "GetMessage", store="poses", name="again").entry.text == got.text
+        wrong = call("add", "AddMessage", entry=entry(store="poses", name="there", text="{position: 1}"))
+        assert not wrong.success
+        assert "reference_frame" in wrong.message
+        words = entry(store="said", type="std_msgs/msg/String", text="data: hello")
+        assert call("add", "AddMessage", entry=words).success
+        assert call("get", "GetMessage", store="said", name="").entry.text == "data: hello\n"
+
+
 def test_a_trajectory_is_added_by_the_names_of_joint_states(ask):
     points = "[{name: home, interpolate_time: 0, pause_time: 0}, {name: away, interpolate_time: 2, pause_time: 0}]"
     assert ask("add", "trajectories", "leave", points)[0] == 0

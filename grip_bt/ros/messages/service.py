@@ -22,7 +22,7 @@ from ..client.types import ConversionError, Message, load_type
 from ..convert_values import seconds
 from ..interface import BadRequestError
 from ..interfaces.build import ensure_package
-from .wire import CHANGES, MESSAGES, PREFIX, RawMessage, message_of, pack, unpack
+from .wire import CHANGES, MESSAGES, PREFIX, RawMessage, message_of, pack, text_of_entry, unpack, value_from_text
 
 _DEPTH = 100
 
@@ -84,8 +84,12 @@ class MessageServer:
         given = request.entry
         if not given.store:
             raise ExpectedError("the entry names no store")
-        raw = RawMessage(given.type, bytes(given.data))
-        message_of(raw)  # so that nobody is given what can't be read
+        if given.data or not given.text:
+            raw = RawMessage(given.type, bytes(given.data))
+            message_of(raw)  # so that nobody is given what can't be read
+        else:
+            type_ = given.type or self._types.get(given.store, "")
+            raw = pack(given.store, value_from_text(given.store, "value", given.text, type_, self._joint_states))
         wanted = self._types.setdefault(given.store, raw.type)
         if raw.type != wanted:
             raise WrongMessageError(given.store, wanted, raw.type)
@@ -123,6 +127,9 @@ class MessageServer:
         response.count = save(self._raw, file, lambda raw: json.dumps(raw.type).encode() + b"\n" + raw.data)
 
     # --- stores ---
+
+    def _joint_states(self) -> dict[str, Any]:
+        return {entry.name: unpack("joint_states", entry.value) for entry in self._raw["joint_states"].entries()}
 
     def _made(self, name: str) -> MessageStore[RawMessage]:
         if name not in self._raw:
@@ -162,6 +169,7 @@ class MessageServer:
         made.stamp.sec, made.stamp.nanosec = nanoseconds // 10**9, nanoseconds % 10**9
         if data:
             made.data = array("B", entry.value.data)  # bytes are a thousand times slower
+            made.text = text_of_entry(store, entry.value)
         return made
 
 
@@ -210,8 +218,14 @@ class RosMessages:
             raw = pack(store, value)
         except BadRequestError as error:
             return Operation.failed(error)
-        entry = load_type("grip_msgs/msg/Entry")(store=store, name=name, type=raw.type, provenance=provenance)
-        entry.data = array("B", raw.data)
+        return self._put(store=store, name=name, type=raw.type, provenance=provenance, data=array("B", raw.data))
+
+    def put_text(self, store: str, name: str, text: str, type_: str = "", provenance: str = "") -> Operation[None]:
+        """Put what a text says: YAML as in a project's files, or field by field; `type_`: of a new store's messages."""
+        return self._put(store=store, name=name, type=type_, provenance=provenance, text=text)
+
+    def _put(self, **fields: object) -> Operation[None]:
+        entry = load_type("grip_msgs/msg/Entry")(**fields)
         return self._call("add", "AddMessage", lambda answer: BadReplyError(answer.message), entry=entry).then(_nothing)
 
     def get(self, store: str, name: str) -> Operation[Entry[Any]]:

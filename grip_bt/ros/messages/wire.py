@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +12,6 @@ from rclpy.serialization import deserialize_message, serialize_message
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store import STANDARD
 from grip_bt.base.message_store.files import text_of, value_of
-from grip_bt.base.operation import Operation
-from grip_bt.base.ports import Messages
 from grip_bt.base.values import Grasp, JointState, Pose
 
 from ..client.types import ConversionError, InterfaceType, Message, load_type, type_name
@@ -36,6 +35,8 @@ MESSAGES: dict[str, str] = {
 CHANGES = ("put", "deleted", "pushed", "taken")
 """Kinds of changes, in the order of their numbers."""
 _POSTURES = ("pre_posture", "posture")
+_LARGE = 100_000
+"""From how many bytes on nobody reads a message as text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,14 +134,14 @@ def entry_rows(answer: Message) -> list[dict[str, Any]]:
     ]
 
 
-def text_of_entry(store: str, value: object) -> str:
-    """Return a value of a store as YAML: as a project's files have it, else field by field; empty for a big one."""
-    return text_of(value) or text_of(message_of(pack(store, value)))
-
-
-def joint_states_of(messages: Messages, done: Callable[[Operation[Any]], Any]) -> dict[str, JointState]:
-    """Return a server's joint states by name; `done` waits for an answer, and returns it."""
-    return {n: done(messages.get("joint_states", n)).value for n in done(messages.names("joint_states"))}
+def text_of_entry(store: str, raw: RawMessage) -> str:
+    """Return what a store keeps as YAML: as a project's files have it, else field by field; empty for a big one."""
+    if len(raw.data) > _LARGE:
+        return ""
+    with suppress(ConversionError):
+        if text := text_of(unpack(store, raw)):
+            return text
+    return text_of(message_of(raw))
 
 
 def value_from_text(

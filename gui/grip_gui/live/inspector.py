@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +22,7 @@ from grip_bt.ros.convert import from_message
 from grip_bt.ros.convert_values import depth_from_message
 from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
-from grip_bt.ros.messages.wire import entry_rows, joint_states_of, text_of_entry, value_from_text
+from grip_bt.ros.messages.wire import entry_rows, pack, text_of_entry
 from grip_bt.task.catalog.ros_config import MESSAGES
 from grip_gui.runs.journal import ROWS, value_view
 from grip_gui.wire.runs import ValueView
@@ -80,13 +79,11 @@ class RosInspector:
         entry = self._done(self._messages.get(store, name))
         kind = type(entry.value)
         view = message_view(kind.__name__ if fields_of(entry.value) is None else type_name(kind), entry.value)
-        return {"value": view.model_dump(), "text": text_of_entry(store, entry.value)}
+        return {"value": view.model_dump(), "text": text_of_entry(store, pack(store, entry.value))}
 
     def put(self, store: str, name: str, type: str, text: str) -> None:
         """Add or replace one."""
-        states = partial(joint_states_of, self._messages, self._done)
-        value = value_from_text(store, name, text, type, states)
-        self._done(self._messages.put(store, name, value, "by hand in the editor"))
+        self._done(self._messages.put_text(store, name, text, type, "by hand in the editor"))
 
     def delete(self, store: str, name: str) -> None:
         """Remove one."""
