@@ -91,11 +91,13 @@ class CommandRunner:
         return CommandResult(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
 
     async def answer(self, module: str, **question: object) -> dict[str, Any]:
-        """Run a module that answers by `answer_question`; return its answer."""
+        """Run a module that answers by `answer_question`; return its answer. Raises GripError where it is an error."""
         _, output = await self._ended(module, (), json.dumps(question))
         for line in reversed(output.splitlines()):
             if line.startswith("{"):
-                return dict(json.loads(line))
+                if "error" in (found := json.loads(line)) and found["error"]:
+                    raise GripError(found["error"])
+                return dict(found)
         raise GripError(f"no answer: {output[-KEPT:].strip() or 'no output'}")
 
     async def _ended(self, module: str, words: Sequence[str], given: str = "") -> tuple[bool, str]:

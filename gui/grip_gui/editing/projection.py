@@ -66,26 +66,15 @@ def _nodes(task: Task, find: FindManifest) -> list[NodeView]:
 
 
 def _node(node: AnyNode, find: FindManifest, position: dict[str, Any]) -> NodeView:
-    if isinstance(node, Leaf):
-        manifest = find(node.node)
-        return NodeView(
-            **position,
-            kind="leaf",
-            label=node.node,
-            doc=node.doc or (manifest.doc if manifest else ""),
-            outcomes=_outcomes_of(manifest, node.meaning),
-            **_ports(node),
-            fields=_fields(node),
-        )
-    ports = _ports(node) if isinstance(node, Subtask | Foreign) else {}
+    face = find(node.node) if isinstance(node, Leaf) else find(node.task) if isinstance(node, Subtask) else None
     return NodeView(
         **position,
-        kind=node.kind,
-        label=node.settings(),
-        doc=node.doc,
-        children=[join(position["path"], child) for child in node.below],
-        outcomes=_outcomes_of(find(node.task), node.meaning) if isinstance(node, Subtask) else outcomes_of(node),
-        **ports,
+        kind="leaf" if isinstance(node, Leaf) else node.kind,
+        label=node.node if isinstance(node, Leaf) else node.settings(),
+        doc=node.doc or (face.doc if face and isinstance(node, Leaf) else ""),
+        children=[] if isinstance(node, Leaf) else [join(position["path"], child) for child in node.below],
+        outcomes=_outcomes_of(face, node.meaning) if isinstance(node, Leaf | Subtask) else outcomes_of(node),
+        **(_ports(node) if isinstance(node, Leaf | Subtask | Foreign) else {}),
         fields=_fields(node),
     )
 

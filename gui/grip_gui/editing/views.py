@@ -51,9 +51,7 @@ def problems_of(folder: ProjectFolder, document: Document) -> list[Problem]:
     if issues:
         fixer = Fixer(document.task, catalog)
         for number, issue in enumerate(issues[:FIXED]):
-            fixes = [
-                FixView(title=fix.title, command=fix.command.model_dump(mode="json")) for fix in fixer.fixes(issue)
-            ]
+            fixes = [FixView(title=f.title, command=f.command.model_dump(mode="json")) for f in fixer.fixes(issue)]
             problems[number] = problems[number].model_copy(update={"fixes": fixes})
     return problems
 
@@ -151,11 +149,9 @@ def _fault(opened: OpenDocument) -> Problem:
 
 def places_view(opened: OpenDocument) -> wire.PlacesView:
     """Return where the nodes stand in the text; nothing while it isn't a task."""
-    document, lines = opened.document, {}
-    if document is not None:
-        places = ((path, document.position(path)) for path, _ in walk(document.task.root))
-        lines = {path: place[0] for path, place in places if place}
-    return wire.PlacesView(revision=opened.revision, lines=lines)
+    document = opened.document
+    places = ((path, document.position(path)) for path, _ in walk(document.task.root)) if document else ()
+    return wire.PlacesView(revision=opened.revision, lines={path: place[0] for path, place in places if place})
 
 
 def comment_view(opened: OpenDocument, path: str) -> wire.CommentView:

@@ -134,10 +134,10 @@ def _add_tries(
         if request.robot == "run" and not joints:
             return wire.Done(error=f"no current run has measured {request.part}")
         question = request.model_dump(include={"robot", "part", "what"})
-        found = await runner.answer("grip_gui.live.trying", **question, joints=joints)
-        if "text" not in found:
-            return wire.Done(error=found["error"])
-        text = found["text"]
+        try:
+            text = (await runner.answer("grip_gui.live.trying", **question, joints=joints))["text"]
+        except GripError as error:
+            return wire.Done(error=str(error))
         path, store = (POSES, "poses") if request.what == "pose" else (JOINT_STATES, "joint_states")
         await asyncio.to_thread(keep_text, folder, path, request.name, text)
         said, why = f"{request.name} was written into {path}", ""

@@ -37,6 +37,8 @@ _PLACES = {
 }
 """What is known about a robot -> where it may stand."""
 _WAY = ("home", "above")  # what a way goes through in a project that has named no joint state yet: the page says so
+_OF_ROBOT = {"joint_states": ("joint", "*/?"), "poses": ("frame", "*/reference_frame")}
+"""Kind of file -> what the robot has to have, and where it is named."""
 _NONE_YET = {
     "arms/*/hand": "name it under `hands` first",
     "ros/controllers/?": "name it under `arms` or `hands` first",
@@ -60,7 +62,8 @@ def options_of(kind: str, data: object, folder: Path) -> dict[str, list[str]]:
         case "trajectories":
             return {"*/*/name": _names(data_in(folder / JOINT_STATES))}
         case "poses":
-            return {"*/reference_frame": project_robot_facts(folder).get("frames", ["world"])}
+            sensors = _names((data_in(folder / "grip.yaml") or {}).get("sensors"))
+            return {"*/reference_frame": [*project_robot_facts(folder).get("frames", ["world"]), *sensors]}
     return {}
 
 
@@ -79,22 +82,20 @@ def wrong_options(tree: YamlValue, data: object, options: Mapping[str, Sequence[
     return faults
 
 
-def doubtful_names(kind: str, tree: YamlValue, data: object, folder: Path) -> list[Diagnostic]:
+def doubtful_names(
+    kind: str, tree: YamlValue, data: object, options: Mapping[str, Sequence[str]], folder: Path
+) -> list[Diagnostic]:
     """Return the names in files of messages that the project's robot doesn't have; something else may have them."""
-    known = project_robot_facts(folder)
-    if kind == "joint_states":
-        pattern, what = ["*", "?"], "joint"
-        allowed = _joints_in(known)
-    elif kind == "poses":
-        pattern, what = ["*", "reference_frame"], "frame"
-        allowed = [*known.get("frames", ()), *_names((data_in(folder / "grip.yaml") or {}).get("sensors"))]
-    else:
+    if kind not in _OF_ROBOT or not project_robot_facts(folder).get("groups"):
         return []
-    found = _at(data, pattern, ()) if known.get("groups") else ()
+    what, pattern = _OF_ROBOT[kind]
     return [
-        (f"{'/'.join(map(str, path))}: the robot has no {what} {name!r}{nearest(name, allowed)}", *find(tree, path))
-        for path, name in found
-        if isinstance(name, str) and name not in allowed
+        (
+            f"{'/'.join(map(str, path))}: the robot has no {what} {name!r}{nearest(name, options[pattern])}",
+            *find(tree, path),
+        )
+        for path, name in _at(data, pattern.split("/"), ())
+        if isinstance(name, str) and name not in options[pattern]
     ]
 
 

@@ -77,11 +77,8 @@ def is_path(robot: str, folder: Path) -> bool:
 
 
 def _read(robot: object, folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = {
-        "robots": list(ROBOTS),
-        "planners": sorted([*PLANNERS, MOVE_GROUP]),
-        "kinematics": list(SOLVERS),
-    }
+    planners = sorted([*PLANNERS, MOVE_GROUP])
+    found: dict[str, Any] = {"robots": list(ROBOTS), "planners": planners, "kinematics": list(SOLVERS)}
     if not robot or not isinstance(robot, str | Mapping):  # a project that begins names none, so nothing is wrong
         return found
     try:
@@ -131,7 +128,7 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
     tree = Tree(urdf)
     colors = {m.get("name"): c.get("rgba") for m in urdf.findall("material") if (c := m.find("color")) is not None}
     meshes: list[dict[str, str]] = []
-    grasp = {}
+    frames = {hand: description.grasp_frames.get(group, description.grasp_frame) for hand, group in hands.items()}
 
     @cache
     def mesh(file: str, scale: tuple[float, ...]) -> int | None:
@@ -144,13 +141,6 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
         meshes.append({"points": _coded(points.astype("<f4")), "triangles": _coded(triangles.astype("<u4"))})
         return len(meshes) - 1
 
-    for hand, group in hands.items():
-        frame = description.grasp_frames.get(group, description.grasp_frame)
-        grasp[hand] = {
-            "link": frame.link,
-            "group": group,
-            "at": _listed(frame.pose),
-        }
     return {
         "name": description.name,
         "links": {link.get("name"): list(_shapes(link, mesh, colors)) for link in urdf.iter("link")},
@@ -160,7 +150,9 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
         "groups": {group: list(joints) for group, joints in description.groups.items()},
         "states": _states(description),
         "findings": list(dict.fromkeys(map(str, inspected.findings))),
-        "grasp": grasp,
+        "grasp": {
+            hand: {"link": each.link, "group": hands[hand], "at": _listed(each.pose)} for hand, each in frames.items()
+        },
     }
 
 

@@ -127,27 +127,23 @@ def _add_beginning(api: APIRouter, folder: ProjectFolder, runner: CommandRunner,
     async def begin(request: wire.BeginRequest) -> wire.BeginView:
         beginning.check_request(request, folder.folder)
         found = await runner.answer("grip_gui.setup.beginning", folder=str(folder.folder), **request.model_dump())
-        if "error" in found:
-            raise GripError(found["error"])
         changed()
         return wire.BeginView(**found)
 
 
 def _words_of(folder: ProjectFolder, request: wire.ImportRequest) -> tuple[str, ...]:
-    """Return the words of an import, whose file is kept where it was sent."""
-    more = ("--execute",) if request.execute else ()
-    if not request.path:
-        return (*_kept_words(folder, request), *more)
-    given = Path(request.path)
-    if "\0" in request.path or not given.is_absolute() or not given.exists():
-        raise DocumentError("isn't there", request.path)
+    """Return the words of an import; a file that was sent is kept first."""
+    path = request.path or _kept(folder, request)
+    given = folder.folder / path
+    if "\0" in path or request.path and not Path(path).is_absolute() or not given.exists():
+        raise DocumentError("isn't there", path)
     several = request.source == "smach" or given.is_dir()
     out = "." if request.source == "grip" else "tasks" if several else f"tasks/{given.stem}.yaml"
-    return ("import", request.path, "--from", request.source, "-o", out, *more)
+    return ("import", path, "--from", request.source, "-o", out, *(("--execute",) if request.execute else ()))
 
 
-def _kept_words(folder: ProjectFolder, request: wire.ImportRequest) -> tuple[str, ...]:
-    """Keep a file that is imported; return the words of the import."""
+def _kept(folder: ProjectFolder, request: wire.ImportRequest) -> str:
+    """Keep a file that is imported; return its path in the project."""
     if request.source not in _SUFFIXES:
         raise GripError("a task of the first GRIP is several files: choose its folder")
     suffix, given = _SUFFIXES[request.source], PurePosixPath(request.name)
@@ -161,8 +157,7 @@ def _kept_words(folder: ProjectFolder, request: wire.ImportRequest) -> tuple[str
     if kept.path.exists() and kept.read() != request.text:
         raise GripError(f"{kept.name} is there with another text; give the file another name")
     kept.write(request.text)
-    out = "tasks" if request.source == "smach" else f"tasks/{given.stem}.yaml"
-    return ("import", kept.name, "--from", request.source, "-o", out)
+    return kept.name
 
 
 def _stamps(folder: ProjectFolder) -> dict[str, int]:

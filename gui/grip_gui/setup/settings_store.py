@@ -83,16 +83,15 @@ class SettingsStore:
         return self._view(request.path, request.text, file.known)
 
     def _view(self, path: str, text: str, known: str) -> SetupView:
-        kind, home, data, problems = kind_of(path), self.folder.folder, None, []
+        kind, home, tree, data = kind_of(path), self.folder.folder, None, None
         file = self.folder.settings_file(path)
         try:
             tree = parse(text, path)
-        except DocumentError as error:
-            options = options_of(kind.name, None, home)
-            problems = [_problem((error.message, error.line or 1, error.column or 1))]
-        else:
             data = to_data(tree)
-            options = options_of(kind.name, data, home)
+        except DocumentError as error:
+            problems = [_problem((error.message, error.line or 1, error.column or 1))]
+        options = options_of(kind.name, data, home)
+        if tree is not None:
             faults = wrong_options(tree, data, options)
             # The reader of trajectories stops at the first name that isn't there, and says less of it.
             if not faults or kind.name != "trajectories":
@@ -100,8 +99,8 @@ class SettingsStore:
             named = data.get("robot") if kind.name == "project" and isinstance(data, dict) else None
             if wrong := robot_facts(named, home).get("error"):
                 faults.append((f"robot: {wrong}", *find(tree, ("robot",))))
-            problems = [_problem(fault, tree) for fault in faults]
-            problems += [_problem(doubt, tree, "warning") for doubt in doubtful_names(kind.name, tree, data, home)]
+            doubts = doubtful_names(kind.name, tree, data, options, home)
+            problems = [_problem(f, tree) for f in faults] + [_problem(d, tree, "warning") for d in doubts]
         return SetupView(
             path=path,
             kind=kind.name,
