@@ -16,6 +16,7 @@ from grip_bt.app.runs.execute import run
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.task.document import read
 from grip_bt.task.validation import validate
+from grip_gui.setup.beginning import begin
 from grip_sim.worlds import load_world
 
 
@@ -65,6 +66,17 @@ def test_the_hand_holds_it_in_simulation(tmp_path):
     assert worlds[0] == worlds[1]
     result = run(tmp_path / "tasks" / "take.yaml", robot="sim")
     assert result.status == "success", result
+
+
+@pytest.mark.sim
+def test_a_hand_put_on_an_arm_in_the_page_holds_something_too(tmp_path):
+    """At the arm's own home these fingers are in the bench."""
+    mount = "{link: tool0, root: rh_forearm, xyz: [0.0, 0.0, 0.01]}"
+    (tmp_path / "grip.yaml").write_text(f"grip: 1\nrobot: {{arm: ur5, hand: shadow_right, mount: {mount}}}\n")
+    begin(str(tmp_path), "", "", [])
+    for task in ("first", "take"):
+        result = run(tmp_path / "tasks" / f"{task}.yaml", robot="sim")
+        assert result.status == "success", result
 
 
 def test_fingers_without_shapes_take_nothing_and_the_project_is_written_all_the_same():

@@ -8,6 +8,13 @@ from typing import Any
 import pytest
 from played import BASE, PlayedLauncher, TestClient
 
+from grip_bt.app.project.first_motions import BENCH
+from grip_bt.app.project.folder import find_project
+from grip_bt.base.values import JointState
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning.checks import chain_and_checker
+from grip_bt.commanders.planning.requests import Situation
+from grip_bt.commanders.settings import PlanningSettings
 from grip_gui.server import create_app
 
 URDF = """\
@@ -98,6 +105,34 @@ def test_what_lacks_is_added_and_what_is_there_stays(page: TestClient, project: 
     assert "grip.yaml" in made["files"]
     assert begun(page)["files"] == []
     assert (project / "grip.yaml").read_text() == text
+
+
+SHADOW_ON_UR5 = """\
+grip: 1
+robot:
+  arm: ur5   # of the lab
+  hand: shadow_right
+  mount: {link: tool0, root: rh_forearm, xyz: [0.0, 0.0, 0.01]}
+"""
+
+
+def test_an_arm_with_a_hand_that_reaches_the_bench_at_home_rests_above_it(page: TestClient, project: Path) -> None:
+    (project / "grip.yaml").write_text(SHADOW_ON_UR5)
+    assert "tasks/take.yaml" in begun(page)["files"]
+    assert "arm: ur5   # of the lab" in (project / "grip.yaml").read_text()
+    robot = find_project(project).description()
+    rest = JointState(robot.joints, [robot.at_rest.get(joint, 0.0) for joint in robot.joints])
+    situation = Situation("arm", rest, BENCH, "", PlanningSettings())
+    chain, checker = chain_and_checker(RobotModel(robot), situation, 0.0)
+    assert not checker.pairs(rest.ordered(chain.joints))
+    assert begun(page)["files"] == []
+
+
+def test_a_home_that_somebody_has_named_and_that_touches_nothing_stays(page: TestClient, project: Path) -> None:
+    named = "  states:\n    arm:\n      home: [0.0, -1.9, 1.0, -1.0, -1.57, 0.0]   # above the vice\n"
+    (project / "grip.yaml").write_text(SHADOW_ON_UR5 + named)
+    begun(page)
+    assert named in (project / "grip.yaml").read_text()
 
 
 def test_robots_that_are_none_are_refused_and_nothing_is_written(page: TestClient, project: Path) -> None:

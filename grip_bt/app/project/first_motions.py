@@ -54,20 +54,21 @@ class FirstMotions:
 
 
 class MotionFinder:
-    """Tries motions of a robot's arms in an empty room.
+    """Tries motions of a robot's arms.
 
     Args:
         robot: its description.
+        room: what stands around it.
     """
 
-    def __init__(self, robot: RobotDescription):
-        self.robot, self.model = robot, RobotModel(robot)
+    def __init__(self, robot: RobotDescription, room: SceneSnapshot):
+        self.robot, self.model, self.room = robot, RobotModel(robot), room
 
     def of(self, group: str) -> FirstMotions:
         """Return what the arm of a group does first; the other joints are at rest."""
         at_rest = self.robot.at_rest
         rest = JointState(self.robot.joints, [at_rest.get(j, 0.0) for j in self.robot.joints])
-        self.situation = Situation(group, rest, SceneSnapshot(), "", PlanningSettings())
+        self.situation = Situation(group, rest, self.room, "", PlanningSettings())
         self.chain, self.checker = chain_and_checker(self.model, self.situation, 0.0)
         named = {name: s.ordered(self.chain.joints) for name, s in self.robot.named_states.get(group, {}).items()}
         free = {name: q for name, q in named.items() if self.checker.free(q)}
@@ -131,7 +132,7 @@ class MotionFinder:
 _FILES = Path(__file__).with_name("bench")
 PLACES = tuple(product((0.45, 0.38, 0.55, 0.65), (0.1, -0.1, 0.25, -0.25)))
 """Where the thing may stand, x and y in world [m]."""
-BENCH = SceneObject("bench", Box((0.7, 1.2, 0.1)), Pose([0.65, 0.0, -0.05]), fixed=True)
+BENCH = SceneSnapshot().with_object(SceneObject("bench", Box((0.7, 1.2, 0.1)), Pose([0.65, 0.0, -0.05]), fixed=True))
 APPROACH, LIFT = 0.1, 0.15
 GAP = 0.04
 """How far above the bench finger tips stay that come from above [m]."""
@@ -150,7 +151,7 @@ def first_grasp(robot: RobotDescription, name: Callable[[str], str]) -> dict[str
     """
     model, rest = RobotModel(robot), robot.at_rest
     start = JointState(robot.joints, [rest.get(joint, 0.0) for joint in robot.joints])
-    scene, shown = SceneSnapshot().with_object(BENCH), {link_of(model.model, g) for g in model.geometry.geometryObjects}
+    shown = {link_of(model.model, each) for each in model.geometry.geometryObjects}
     for end in robot.end_effectors:
         arm, mine = end.parent_group, set(robot.hands.get(end.group, ()))
         fingers = [links for links in robot.finger_links.values() if shown & mine & set(links)]
@@ -159,7 +160,7 @@ def first_grasp(robot: RobotDescription, name: Callable[[str], str]) -> dict[str
             continue
         can = len(fingers) > 2
         middle = BESIDE_CAN if can else _between(model, arm, fingers)
-        situation = Situation(arm, start, scene, "", PlanningSettings())
+        situation = Situation(arm, start, BENCH, "", PlanningSettings())
         for x, y in PLACES:
             try:
                 found = choose_grasp(model, situation, tuple(_grasps(x, y, middle, can)), lambda: False).grasp

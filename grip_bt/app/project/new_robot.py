@@ -13,7 +13,7 @@ from typing import Any
 
 import yaml
 
-from grip_bt.app.project.first_motions import FirstMotions, MotionFinder, first_grasp
+from grip_bt.app.project.first_motions import BENCH, FirstMotions, MotionFinder, first_grasp
 from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
@@ -25,6 +25,7 @@ from grip_bt.commanders.description.load import PROJECT, config_of, inspect_robo
 from grip_bt.commanders.description.packages import MANIFEST, ROBOTS, Packages, name_of_package, package_around
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.roles import arms_of
+from grip_bt.commanders.scene_state import SceneSnapshot
 from grip_bt.task import fmt
 
 FILES = ("urdf", "xacro", "srdf", "moveit")
@@ -69,18 +70,29 @@ def new_robot(
     if robot is None:
         raise InvalidRobotError(source, errors(inspected.findings))
     arms = arms_of(robot)
-    finder = MotionFinder(robot) if arms else None
-    motions = {group: finder.of(group) for group in arms} if finder is not None else {}
+    benched = bool(robot.end_effectors) and world is None
+    motions = _motions(robot, arms, BENCH if benched else SceneSnapshot())
+    taking = first_grasp(_with_homes(robot, motions), _key) if benched else {}
+    if benched and not taking:
+        motions = _motions(robot, arms, SceneSnapshot())
     parts = _parts(robot, arms)
-    states: dict[str, Mapping[str, JointState]] = {group: {} for group in arms} | dict(robot.named_states)
     lines = _robot_lines(_with_files(said, inspected), folder.resolve(), motions, by_package)
-    homes = {group: JointState.from_mapping(each.home) for group, each in motions.items() if each.home}
-    known = {group: {**named, **({"home": homes[group]} if group in homes else {})} for group, named in states.items()}
-    taking = first_grasp(replace(robot, named_states=known), _key) if arms and world is None else {}
     world = world or ("bench" if taking else "table" if source in ROBOTS else "empty")
     grip = _grip_text(robot, lines, parts, inspected, world) + _bringup(Path(source).expanduser().resolve(), folder)
     files = {"grip.yaml": grip, "tasks/first.yaml": fmt(_task_text(robot, parts, motions), "first.yaml"), **taking}
     return NewRobot(files, inspected.findings)
+
+
+def _motions(robot: RobotDescription, arms: Sequence[str], room: SceneSnapshot) -> dict[str, FirstMotions]:
+    finder = MotionFinder(robot, room)
+    return {group: finder.of(group) for group in arms}
+
+
+def _with_homes(robot: RobotDescription, motions: Mapping[str, FirstMotions]) -> RobotDescription:
+    """Return the robot that rests where it was found to touch nothing."""
+    homes = {group: {"home": JointState.from_mapping(each.home)} for group, each in motions.items() if each.home}
+    groups = {*robot.named_states, *homes}
+    return replace(robot, named_states={g: {**robot.named_states.get(g, {}), **homes.get(g, {})} for g in groups})
 
 
 def _chosen(source: str, choose: Choose) -> dict[str, Any]:
@@ -127,18 +139,20 @@ def _with_files(said: Mapping[str, Any], inspected: Inspected) -> dict[str, Any]
 def _robot_lines(
     said: Mapping[str, Any], folder: Path, motions: Mapping[str, FirstMotions], by_package: bool
 ) -> list[str]:
-    homes = {group: {"home": dict(each.home)} for group, each in motions.items() if each.home}
+    homes = {group: dict(each.home) for group, each in motions.items() if each.home}
     if set(said) == {"ready"} and not homes:
         return [f"robot: {said['ready']}"]
-    lines = ["robot:"]
+    lines, states = ["robot:"], dict(said.get("states", {}))
     for key, value in said.items():
         if key in FILES and "://" not in value:
             home, path = package_around(Path(value)) if by_package else None, os.path.relpath(value, folder)
             value = f"package://{Path(name_of_package(home), os.path.relpath(value, home))}" if home else path
-        lines.append(f"  {key}: {_flow(value)}")
-    if homes:
-        lines += ["  states:  # where nothing touches; the robot's files don't say it"]
-        lines += [f"    {_flow(group)}: {_flow(states)}" for group, states in homes.items()]
+        if key != "states":
+            lines.append(f"  {key}: {_flow(value)}")
+    states |= {group: {**states.get(group, {}), "home": home} for group, home in homes.items()}
+    if states:
+        lines.append("  states:" + ("  # home: where nothing touches; the robot's files don't say it" if homes else ""))
+        lines += [f"    {_flow(group)}: {_flow(named)}" for group, named in states.items()]
     return lines
 
 

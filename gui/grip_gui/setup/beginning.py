@@ -101,12 +101,18 @@ def begin(folder: str, robot: str, example: str, chosen: Sequence[str]) -> Mappi
     file, fresh = home / FILE_NAME, to_data(parse(made.files[FILE_NAME]))
     before = file.read_text("utf-8") if file.exists() else ""
     now = to_data(parse(before)) if before else {}
-    lacking = {k: v for k, v in fresh.items() if not now.get(k) or robot and k in _OF_ROBOT}
-    keeps = before and not lacking.keys() & {"arms", "hands"}  # tasks would speak of arms by other names
+    lacking: dict[tuple[str, ...], Any] = {
+        (k,): v for k, v in fresh.items() if not now.get(k) or robot and k in _OF_ROBOT
+    }
+    keeps = before and not lacking.keys() & {("arms",), ("hands",)}  # tasks would speak of arms by other names
+    said, found = (r.get("states") if isinstance(r, dict) else None for r in (now.get("robot"), fresh["robot"]))
+    if not keeps and found != said:  # where arms rest and nothing touches: the tasks that are written begin there
+        described = isinstance(now.get("robot"), dict)
+        lacking |= {("robot", "states"): found} if described else {("robot",): fresh["robot"]}
     given = {path: text for path, text in made.files.items() if not (keeps and path.startswith("tasks/"))}
     written = [str(path) for path in make_project(home, given, beside=True) if given.get(str(path))]
     if before and lacking:
-        file.write_text(reduce(lambda text, key: set_value(text, [key], lacking[key]), lacking, before), "utf-8")
+        file.write_text(reduce(lambda text, key: set_value(text, key, lacking[key]), lacking, before), "utf-8")
         written.append(FILE_NAME)
     return {"files": written, "findings": list(dict.fromkeys(map(str, made.findings)))}
 
