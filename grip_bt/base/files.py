@@ -1,12 +1,14 @@
-"""Files that are replaced in one step: whoever reads one sees the old content or the new; and what a `with` closes."""
+"""Files that are replaced in one step: a reader sees the old content or the new; copies; and what a `with` closes."""
 
 from __future__ import annotations
 
 import errno
 import os
 import shutil
+import stat
 import tempfile
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Self
 
@@ -49,6 +51,13 @@ def replace_bytes(path: Path, data: bytes, durable: bool = False) -> None:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+def copy_folder(folder: Path, copy: Path, ignore: Callable[[str, list[str]], Iterable[str]] | None = None) -> None:
+    """Copy a folder that may be read-only, as installed ones are; whoever copies may write to all of the copy."""
+    shutil.copytree(folder, copy, ignore=ignore)
+    for path in (copy, *copy.rglob("*")):
+        path.chmod(path.stat().st_mode | stat.S_IWUSR)
 
 
 class Closing(ABC):

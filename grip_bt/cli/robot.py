@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.issue import Issue
 from grip_bt.cli.parser import add_actions
 from grip_bt.cli.terminal import counted, tell
-from grip_bt.commanders.description.files import Finding
+from grip_bt.commanders.description.files import robot_issue
 from grip_bt.commanders.description.from_files import Inspected
 from grip_bt.commanders.description.moveit_package import MoveItPackage
 from grip_bt.commanders.description.packages import ROBOTS
@@ -85,7 +86,7 @@ def _inspected(args: argparse.Namespace) -> Inspected:
     return inspect_robot(config.model_copy(update=given), folder)
 
 
-def _of_model(inspected: Inspected) -> list[Finding]:
+def _of_model(inspected: Inspected) -> list[Issue]:
     """Return what only shows when the kinematics and the shapes are made, such as a mesh that can't be read."""
     if inspected.description is None:
         return []
@@ -94,7 +95,7 @@ def _of_model(inspected: Inspected) -> list[Finding]:
     try:
         RobotModel(inspected.description)
     except (GripError, ValueError, RuntimeError) as error:
-        return [Finding("error", "bad-model", " ".join(str(error).split()))]
+        return [robot_issue("error", "bad-model", " ".join(str(error).split()))]
     return []
 
 

@@ -36,6 +36,13 @@ def test_an_installation_works_in_a_copy_that_keeps_what_was_changed(installed, 
     assert [each.name for each in copy.parent.iterdir()] == [copy.name]
 
 
+def test_the_copy_of_a_read_only_installation_may_be_written_to(installed):
+    for path in (installed, *installed.rglob("*")):
+        path.chmod(path.stat().st_mode & ~0o222)
+    copy = examples_folder()
+    assert all(path.stat().st_mode & 0o200 for path in (copy, *copy.rglob("*")))
+
+
 def test_another_version_of_the_examples_is_another_copy(installed):
     before = examples_folder()
     (installed / "_examples" / "tasks" / "new.yaml").write_text("grip: 1\n")

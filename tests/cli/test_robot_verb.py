@@ -29,7 +29,7 @@ def test_check_names_every_missing_mesh_package_and_odd_joint_and_ends_with_1(ba
         "missing-mesh",
         "joint-type",
     ]
-    assert said[0].startswith(f"{bad}:2: warning [missing-package] link 'base': mesh 'package://nowhere/a.stl'")
+    assert said[0].startswith(f"{bad}:2: warning[missing-package] robot: link 'base': mesh 'package://nowhere/a.stl'")
     assert said[-1] == f"{bad}: 1 error, 2 warnings"
 
 
@@ -49,7 +49,7 @@ def test_check_takes_packages_and_a_mesh_that_is_no_mesh_is_an_error_too(tmp_pat
     path = tmp_path / "r.urdf"
     path.write_text(BAD.replace("nowhere", "here").replace("b.stl", "meshes/a.stl").replace("revolut", "fixed"))
     assert main(["robot", "check", str(path), "--package", f"here={tmp_path / 'meshes'}"]) == 1
-    assert "error [bad-model]" in capsys.readouterr().out
+    assert "error[bad-model] robot: " in capsys.readouterr().out
 
 
 def test_a_ready_made_robot_is_ok_and_shown_with_groups_limits_states_solvers_and_planners(capsys):

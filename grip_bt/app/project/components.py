@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import sys
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
+from grip_bt.base.files import copy_folder
 from grip_bt.base.yaml.models import check_model, diagnostic_of, document_error
 from grip_bt.base.yaml.tree import YamlMapping, parse
 from grip_bt.codegen.contract import check_contract
@@ -125,7 +125,7 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
     home.mkdir(parents=True, exist_ok=True)
     for package in _with_needed(wish.package):
         if not (home / "interfaces" / package.name).exists():
-            shutil.copytree(package, home / "interfaces" / package.name, ignore=_not_of_interfaces)
+            copy_folder(package, home / "interfaces" / package.name, _not_of_interfaces)
     (home / FILE_NAME).write_text(text, encoding="utf-8")
     return home
 

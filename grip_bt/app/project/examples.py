@@ -10,6 +10,7 @@ from pathlib import Path
 
 import grip_bt
 from grip_bt.base.errors import MissingPartError, NotWritableError
+from grip_bt.base.files import copy_folder
 
 _UNWANTED = frozenset({".grip", "__pycache__"})
 
@@ -35,7 +36,7 @@ def _copied(folder: Path) -> Path:
     try:
         base.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=base) as half:
-            shutil.copytree(folder, Path(half) / "examples", ignore=shutil.ignore_patterns(*_UNWANTED))
+            copy_folder(folder, Path(half) / "examples", shutil.ignore_patterns(*_UNWANTED))
             (Path(half) / "examples").rename(copy)
     except OSError as error:
         if copy.is_dir():  # another process was quicker

@@ -15,10 +15,11 @@ import yaml
 
 from grip_bt.app.project.first_motions import BENCH, FirstMotions, MotionFinder, first_grasp
 from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
+from grip_bt.base.issue import Issue
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.configurations import Configurations, configured_packages, is_configured
-from grip_bt.commanders.description.files import Finding, errors
+from grip_bt.commanders.description.files import errors
 from grip_bt.commanders.description.from_files import Inspected
 from grip_bt.commanders.description.launched import is_launch_file
 from grip_bt.commanders.description.load import PROJECT, config_of, inspect_robot
@@ -44,7 +45,7 @@ class NewRobot:
     """
 
     files: Mapping[str, str]
-    findings: tuple[Finding, ...]
+    findings: tuple[Issue, ...]
 
 
 def new_robot(

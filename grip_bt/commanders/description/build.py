@@ -10,11 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, MissingPartError, UnknownNameError
+from grip_bt.base.issue import Issue
 from grip_bt.base.values import JointState
 
 from .check_urdf import BALL, INERTIA, NO_EFFORT, NO_SPEED, principal_moments
 from .config import Drive, RobotConfig
-from .files import Finding, errors
+from .files import errors, robot_issue
 from .moveit_package import JointLimits
 from .packages import Packages
 from .robot import EndEffector, RobotDescription
@@ -36,7 +37,7 @@ def with_config(srdf: Srdf, config: RobotConfig) -> Srdf:
     return replace(srdf, groups={**srdf.groups, **groups}, end_effectors=tuple(ends.values()))
 
 
-def with_states(srdf: Srdf, config: RobotConfig, tree: Tree) -> tuple[Srdf, list[Finding]]:
+def with_states(srdf: Srdf, config: RobotConfig, tree: Tree) -> tuple[Srdf, list[Issue]]:
     """Return an SRDF with a configuration's states added, and what is wrong with it."""
     found = check_srdf(srdf, tree)
     if errors(found):
@@ -46,14 +47,14 @@ def with_states(srdf: Srdf, config: RobotConfig, tree: Tree) -> tuple[Srdf, list
     for group, named in config.states.items():
         if group not in joints:
             error = UnknownNameError("group", group, joints, where="states")
-            return srdf, [*found, Finding("error", "bad-state", str(error))]
+            return srdf, [*found, robot_issue("error", "bad-state", str(error))]
         for name, positions in named.items():
             if not isinstance(positions, dict):
                 mine = joints[group]
                 if len(positions) != len(mine):
                     what = f"states/{group}/{name} lists {len(positions)} positions"
                     has = f"the group has {len(mine)} joints: {', '.join(mine)}"
-                    return srdf, [*found, Finding("error", "bad-state", f"{what}, and {has}")]
+                    return srdf, [*found, robot_issue("error", "bad-state", f"{what}, and {has}")]
                 positions = dict(zip(mine, positions, strict=True))
             states.setdefault(group, {})[name] = positions
     srdf = replace(srdf, states=states)

@@ -15,8 +15,9 @@ import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import DocumentError, MissingPartError, listing, nearest
+from grip_bt.base.issue import Issue
 
-from .files import Finding
+from .files import robot_issue
 from .packages import Packages
 from .tree import HELD, JOINT_TYPES, MOVABLE, link_at, loop_in
 from .xml import line_of, numbers
@@ -44,7 +45,7 @@ DEEPEST = 500
 """Joints from the base to a tip."""
 
 
-def check_urdf(robot: ET.Element, source: str, packages: Packages) -> list[Finding]:
+def check_urdf(robot: ET.Element, source: str, packages: Packages) -> list[Issue]:
     """Return what is wrong with a URDF.
 
     Args:
@@ -79,13 +80,13 @@ class _Check:
 
     def __init__(self, source: str, packages: Packages):
         self.source, self.packages = source, packages
-        self.found: list[Finding] = []
+        self.found: list[Issue] = []
 
     def error(self, code: str, message: str, element: ET.Element) -> None:
-        self.found.append(Finding("error", code, message, self.source, line_of(element)))
+        self.found.append(robot_issue("error", code, message, self.source, line_of(element)))
 
     def warning(self, code: str, message: str, element: ET.Element) -> None:
-        self.found.append(Finding("warning", code, message, self.source, line_of(element)))
+        self.found.append(robot_issue("warning", code, message, self.source, line_of(element)))
 
     def names(self, robot: ET.Element, tag: str) -> list[str]:
         names: list[str] = []

@@ -8,13 +8,13 @@ import reprlib
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Generic, Literal, TypeVar
+from typing import Generic, TypeVar
 
 import yaml
 
 from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.issue import Issue, Severity
 
 K = TypeVar("K", bound=Hashable)
 T = TypeVar("T")
@@ -73,44 +73,19 @@ def _stamp(file: str) -> tuple[str, int, int]:
     return file, found.st_mtime_ns, found.st_size
 
 
-Severity = Literal["error", "warning"]
+def robot_issue(severity: Severity, code: str, message: str, source: str = "", line: int | None = None) -> Issue:
+    """Return what was found about a robot's files; an `error` keeps the robot from being used."""
+    return Issue("robot", code, severity, message, source=source, line=line)
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One of them.
-
-    Attributes:
-        severity: an `error` keeps the robot from being used.
-        code: what kind it is, such as `missing-mesh`.
-        message: what is wrong and what to do.
-        source: the file; empty where there is none.
-        line: 1-based line, or None.
-    """
-
-    severity: Severity
-    code: str
-    message: str
-    source: str = ""
-    line: int | None = None
-
-    def __str__(self) -> str:
-        place = self.source + (f":{self.line}" if self.line is not None else "")
-        return f"{place + ': ' if place else ''}{self.severity} [{self.code}] {self.message}"
-
-    def as_dict(self) -> dict[str, object]:
-        """Return it as JSON data."""
-        return asdict(self)
-
-
-def finding_of(error: GripError) -> Finding:
+def finding_of(error: GripError) -> Issue:
     """Return an error of reading as a finding."""
     if isinstance(error, DocumentError):
-        return Finding("error", "bad-file", error.message, error.source, error.line)
-    return Finding("error", "bad-robot", str(error))
+        return robot_issue("error", "bad-file", error.message, error.source, error.line)
+    return robot_issue("error", "bad-robot", str(error))
 
 
-def errors(findings: Iterable[Finding]) -> list[Finding]:
+def errors(findings: Iterable[Issue]) -> list[Issue]:
     """Return those that keep the robot from being used."""
     return [finding for finding in findings if finding.severity == "error"]
 

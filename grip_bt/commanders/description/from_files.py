@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, listing, nearest
+from grip_bt.base.issue import Issue
 from grip_bt.commanders.settings import PLANNERS
 
 from .build import build, normal, with_config, with_states
 from .check_urdf import check_urdf
 from .config import RobotConfig
 from .configurations import Alternative, Configurations, Fitted
-from .files import Finding, errors, finding_of
+from .files import errors, finding_of, robot_issue
 from .guessed import with_efforts, with_groups, with_postures
 from .hints import declared
 from .moveit_package import JointLimits, MoveItPackage, preferences_of, read_package
@@ -36,7 +37,7 @@ class Inspected:
         chosen: of a MoveIt configuration package, the configuration that was taken.
     """
 
-    findings: tuple[Finding, ...]
+    findings: tuple[Issue, ...]
     description: RobotDescription | None = None
     packages: tuple[MoveItPackage, ...] = ()
     chosen: Fitted | None = None
@@ -59,7 +60,7 @@ def load_single(config: RobotConfig, folder: Path) -> Inspected:
 class _Single:
     def __init__(self, config: RobotConfig, folder: Path):
         self.config, self.folder = config, folder
-        self.findings: list[Finding] = []
+        self.findings: list[Issue] = []
         given = {name: folder / Path(place).expanduser() for name, place in config.packages.items()}
         self.packages = Packages(given, (folder,))
         files = (config.urdf, config.xacro, config.srdf, config.moveit and f"{config.moveit}/package.xml")
@@ -171,12 +172,12 @@ class _Single:
         return bool(errors(self.findings))
 
     def _warn(self, code: str, message: str, path: Path | None) -> None:
-        self.findings.append(Finding("warning", code, message, "" if path is None else str(path)))
+        self.findings.append(robot_issue("warning", code, message, "" if path is None else str(path)))
 
 
 def _check_names(
     config: RobotConfig, tree: Tree, srdf: Srdf, limits: Mapping[str, JointLimits], initial: Mapping[str, float]
-) -> Iterator[Finding]:
+) -> Iterator[Issue]:
     """Yield what a configuration and a MoveIt package name that isn't there."""
     groups, links, joints = list(srdf.groups), list(tree.links), list(tree.joints)
     named = [
@@ -197,10 +198,10 @@ def _check_names(
     for kind, name, allowed, where in named:
         if name not in allowed:
             message = f"{where}: there is no {kind} {name!r}{nearest(name, allowed)}"
-            yield Finding("warning" if where.endswith(".yaml") else "error", f"unknown-{kind}", message)
+            yield robot_issue("warning" if where.endswith(".yaml") else "error", f"unknown-{kind}", message)
 
 
-def _odd_limits(limits: Mapping[str, JointLimits], tree: Tree) -> Iterator[tuple[str, Finding]]:
+def _odd_limits(limits: Mapping[str, JointLimits], tree: Tree) -> Iterator[tuple[str, Issue]]:
     """Yield the joints that limits of a MoveIt package would keep from moving."""
     for name, limit in limits.items():
         joint = tree.joints.get(name)
@@ -213,4 +214,4 @@ def _odd_limits(limits: Mapping[str, JointLimits], tree: Tree) -> Iterator[tuple
                 f"joint_limits.yaml: joint {name!r} can't move: positions {lower:g} ... {upper:g}, velocity "
                 f"{joint.velocity if limit.velocity is None else limit.velocity:g}; the URDF's limits are taken"
             )
-            yield name, Finding("warning", "missing-limit", message)
+            yield name, robot_issue("warning", "missing-limit", message)

@@ -11,10 +11,11 @@ from itertools import combinations
 import numpy as np
 
 from grip_bt.base.errors import listing
+from grip_bt.base.issue import Issue
 from grip_bt.base.values import JointState
 
 from .check_urdf import INERTIA, NO_EFFORT
-from .files import Finding
+from .files import robot_issue
 from .robot import EndEffector, RobotDescription
 from .srdf import Group, Srdf
 from .tree import Joint, Tree
@@ -24,7 +25,7 @@ LONGEST_FINGER = 5
 """Joints of a finger; what branches off into longer chains is no hand."""
 
 
-def with_groups(srdf: Srdf, tree: Tree) -> tuple[Srdf, Finding | None]:
+def with_groups(srdf: Srdf, tree: Tree) -> tuple[Srdf, Issue | None]:
     """Return an SRDF without groups with those that the tree suggests: `arm`, `hand` or both; and that, told."""
     mimics = tree.mimics()
     active = [joint for joint in tree.joints.values() if joint.movable and joint.name not in mimics]
@@ -54,7 +55,7 @@ def with_groups(srdf: Srdf, tree: Tree) -> tuple[Srdf, Finding | None]:
     ends = (EndEffector("hand", "hand", end, "arm"),) if trunk and fingers else ()
     said = ", ".join(f"{name} ({len(group.joints)} joints)" for name, group in groups.items())
     message = f"there is no SRDF and no `groups:`; these are taken: {said}"
-    return replace(srdf, groups=groups, end_effectors=ends), Finding("warning", "no-groups", message)
+    return replace(srdf, groups=groups, end_effectors=ends), robot_issue("warning", "no-groups", message)
 
 
 def _chain(tree: Tree, tip: str, active: list[Joint]) -> tuple[Joint, ...]:
@@ -76,14 +77,14 @@ ENOUGH = 0.02
 """Part of the fingers' distance by which a joint's motion closes the hand at least."""
 
 
-def with_postures(robot: RobotDescription) -> tuple[RobotDescription, list[Finding]]:
+def with_postures(robot: RobotDescription) -> tuple[RobotDescription, list[Issue]]:
     """Return a robot whose hands all have the states `open` and `closed`, and how those were found that files lack.
 
     A state whose name says it is taken. Else a hand is open where its joints are at rest, and closed where each that
     brings the fingers nearer to one another is at nine tenths of its way.
     """
     states = {group: dict(named) for group, named in robot.named_states.items()}
-    found: list[Finding] = []
+    found: list[Issue] = []
     for hand in robot.hands:
         mine = states.setdefault(hand, {})
         named = {"open": _named(mine, _OPEN), "closed": _named(mine, _CLOSED)}
@@ -95,7 +96,7 @@ def with_postures(robot: RobotDescription) -> tuple[RobotDescription, list[Findi
         if lacking:
             said = " and ".join(f"`{word}`" for word in lacking)
             message = f"hand {hand!r} has no state {said}; joints that bring its fingers together tell it"
-            found.append(Finding("warning", "no-postures", message))
+            found.append(robot_issue("warning", "no-postures", message))
     return replace(robot, named_states=states), found
 
 
@@ -121,7 +122,7 @@ def _guessed(robot: RobotDescription, hand: str) -> dict[str, JointState]:
     return {word: JointState(names, [at[name] for name in names]) for word, at in (("open", begin), ("closed", end))}
 
 
-def with_efforts(robot: RobotDescription) -> tuple[RobotDescription, list[Finding]]:
+def with_efforts(robot: RobotDescription) -> tuple[RobotDescription, list[Issue]]:
     """Return a robot whose arms' drives can accelerate it as its limits say, and which ones couldn't.
 
     What a joint needs is the inertia of what it carries about its axis, at rest, times its acceleration limit. Where
@@ -140,7 +141,7 @@ def with_efforts(robot: RobotDescription) -> tuple[RobotDescription, list[Findin
         if robot.drives[name].limit == joint.effort < inertia * robot.acceleration_limits[name]:
             weak[name] = robot.drives[name].model_copy(update={"limit": NO_EFFORT["rad"]})
     said = f"the efforts of joints {listing(weak)} can't accelerate what they carry as their limits say"
-    found = Finding("warning", "no-effort", f"{said}; simulation takes {NO_EFFORT['rad']:g}")
+    found = robot_issue("warning", "no-effort", f"{said}; simulation takes {NO_EFFORT['rad']:g}")
     return replace(robot, drives={**robot.drives, **weak}), [found] if weak else []
 
 

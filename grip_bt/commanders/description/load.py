@@ -16,7 +16,7 @@ from grip_bt.commanders.description.packages import ROBOTS
 
 from .compose import in_one_world, namespaced, on_arm
 from .config import RobotConfig
-from .files import FileCache, Finding, errors, finding_of, note
+from .files import FileCache, errors, finding_of, note, robot_issue
 from .from_files import Inspected, load_single
 from .launched import is_launch_file, robot_of_launch
 from .robot import RobotDescription
@@ -92,7 +92,7 @@ def inspect_robot(source: str | RobotConfig, folder: Path | None = None) -> Insp
     except (DocumentError, UnknownNameError) as error:
         return Inspected((finding_of(error),))
     except RecursionError:
-        return Inspected((Finding("error", "cycle", "the robot contains itself"),))
+        return Inspected((robot_issue("error", "cycle", "the robot contains itself"),))
 
 
 def _inspected(config: RobotConfig, folder: Path) -> Inspected:

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import TypeVar
 
 from grip_bt.base.errors import DocumentError
+from grip_bt.base.issue import Issue
 from grip_bt.commanders.settings import SOLVERS
 
 from .configurations import Fitted
-from .files import Finding, finite, mapping_of, read_yaml
+from .files import finite, mapping_of, read_yaml, robot_issue
 from .robot import Preference
 
 Read = TypeVar("Read")
@@ -78,12 +79,12 @@ class MoveItPackage:
     sensors: tuple[Sensor, ...] = ()
     initial_positions: Mapping[str, float] = field(default_factory=dict)
     scaling: Mapping[str, float] = field(default_factory=dict)
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[Issue, ...] = ()
 
 
 def read_package(folder: Path, chosen: Fitted) -> MoveItPackage:
     """Read what a package says of a configuration besides its robot; what is wrong with files is in `findings`."""
-    findings: list[Finding] = []
+    findings: list[Issue] = []
     words = {chosen.name, chosen.robot.get("name", ""), *map(str, chosen.arguments.values())}
     if chosen.semantic is not None:
         words.add(chosen.semantic.get("name", ""))
@@ -102,17 +103,17 @@ def read_package(folder: Path, chosen: Fitted) -> MoveItPackage:
         found = sorted((p for p in files if name in p.stem), key=lambda p: (-closeness(p), p.stem != name))
         if not found or (closeness(found[0]) == 0 and len(found) > 1):
             if not optional:
-                findings.append(Finding("warning", "missing-file", f"it has no config/{name}.yaml", str(folder)))
+                findings.append(robot_issue("warning", "missing-file", f"it has no config/{name}.yaml", str(folder)))
             return empty
         try:
             return of(found[0])
         except DocumentError as error:
             message = f"{error.message}; the file is left out"
-            findings.append(Finding("warning", "bad-file", message, error.source, error.line))
+            findings.append(robot_issue("warning", "bad-file", message, error.source, error.line))
             return empty
 
     sensors = read(_sensors, "sensors_3d", tuple[Sensor, ...](), optional=True)
-    findings += [Finding("warning", "sensor-not-read", _how_to_use(sensor), str(folder)) for sensor in sensors]
+    findings += [robot_issue("warning", "sensor-not-read", _how_to_use(sensor), str(folder)) for sensor in sensors]
     return MoveItPackage(
         folder,
         read(_joint_limits, "joint_limits", {}),

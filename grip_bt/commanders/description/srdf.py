@@ -7,8 +7,9 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from grip_bt.base.errors import listing, nearest
+from grip_bt.base.issue import Issue, Severity
 
-from .files import Finding, Severity, errors
+from .files import errors, robot_issue
 from .robot import EndEffector
 from .tree import HELD, Tree, loop_in
 from .xml import line_of, numbers, required
@@ -157,15 +158,15 @@ def _named(group: Group, srdf: Srdf, tree: Tree) -> Iterator[str]:
         todo += [srdf.groups[name] for name in reversed(inner)]
 
 
-def check_srdf(srdf: Srdf, tree: Tree) -> list[Finding]:
+def check_srdf(srdf: Srdf, tree: Tree) -> list[Issue]:
     """Return what is wrong with an SRDF for the robot that `tree` has."""
     return _Known(srdf, tree).found
 
 
-def with_known_names(srdf: Srdf, tree: Tree) -> tuple[Srdf, list[Finding]]:
+def with_known_names(srdf: Srdf, tree: Tree) -> tuple[Srdf, list[Issue]]:
     """Return an SRDF without what names links, joints or groups that aren't there, which vendors ship; and that."""
     told = [
-        Finding("warning", "double-name", f"two groups are called {name!r}; the first one is taken", srdf.source)
+        robot_issue("warning", "double-name", f"two groups are called {name!r}; the first one is taken", srdf.source)
         for name in srdf.doubled
     ]
     known = _Known(srdf, tree)
@@ -177,7 +178,7 @@ class _Known:
     """What of an SRDF is there, and what is wrong with the rest."""
 
     def __init__(self, srdf: Srdf, tree: Tree):
-        self.source, self.tree, self.found = srdf.source, tree, list[Finding]()
+        self.source, self.tree, self.found = srdf.source, tree, list[Issue]()
         joints, links = tree.joints, tree.links
         inner, looped = {name: group.groups for name, group in srdf.groups.items()}, set[str]()
         while loop := loop_in(inner):
@@ -253,4 +254,4 @@ class _Known:
         return tuple(name for name in names if name in allowed)
 
     def say(self, severity: Severity, code: str, message: str, group: Group | None = None) -> None:
-        self.found.append(Finding(severity, code, message, self.source, group.line if group else None))
+        self.found.append(robot_issue(severity, code, message, self.source, group.line if group else None))

@@ -7,7 +7,6 @@ table for reflections of surroundings, which there are none of and which takes s
 from __future__ import annotations
 
 import os
-import shutil
 import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
@@ -20,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.files import copy_folder
 from grip_bt.base.values import CameraInfo, Pose
 from grip_sim.cameras import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NEAR, NOTHING, Frame, Places
 from grip_sim.cameras.looks import Target
@@ -55,10 +55,9 @@ def _shaders() -> Path:
     cache.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=cache) as made:
         for name in ("common", "default"):
-            shutil.copytree(Path(sapien.__file__).parent / "vulkan_shader" / name, Path(made, "new", name))
+            copy_folder(Path(sapien.__file__).parent / "vulkan_shader" / name, Path(made, "new", name))
         for file in Path(made, "new", "default").iterdir():
             text = file.read_text()
-            file.chmod(0o644)
             file.write_text(text.replace(_TABLE, "vec2 envBRDF = vec2(0.5, 0.1);").replace(_UNIFORM, ""))
         with suppress(OSError):  # somebody else was faster
             Path(made, "new").rename(folder)
