@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import threading
 import time
-from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
@@ -37,10 +37,15 @@ RATE = 50.0
 
 
 class Published:
-    """What a thread of its own publishes until it is closed."""
+    """What is published again and again, on a thread of its own, until it is closed.
 
-    def __init__(self, name: str, period: float):
-        self._closed, self._period = threading.Event(), period
+    Args:
+        period: [s].
+        once: publishes what there is now; called once a period, or as often as it can be.
+    """
+
+    def __init__(self, name: str, period: float, once: Callable[[], object]):
+        self._closed, self._period, self._once = threading.Event(), period, once
         self._thread = threading.Thread(target=self._publish, name=name, daemon=True)
         self._thread.start()
 
@@ -57,33 +62,23 @@ class Published:
             except GripError:
                 return  # what measures has ended; whoever runs it says so
 
-    @abstractmethod
-    def _once(self) -> None:
-        """Publish what there is now; called once a period, or as often as it can be."""
 
+def publish_joints(bus: Bus, topic: str, executors: Sequence[Measured], now: Callable[[], float]) -> Published:
+    """Publish where joints are, in one message, on a topic such as `/joint_states`; `now` is the time of stamps [s]."""
+    writer = bus.writer(TYPE, topic)
 
-class JointStatePublisher(Published):
-    """Publishes where joints are, in one message for all of them.
-
-    Args:
-        topic: such as `/joint_states`.
-        now: the time of its stamps [s].
-    """
-
-    def __init__(self, bus: Bus, topic: str, executors: Sequence[Measured], now: Callable[[], float] = time.time):
-        self._writer, self._executors, self._now = bus.writer(TYPE, topic), executors, now
-        super().__init__("grip_joint_states", 1 / RATE)
-
-    def _once(self) -> None:
-        stamp, states = self._now(), [executor.state() for executor in self._executors]
-        message = self._writer.type(header=header("", stamp))
+    def once() -> None:
+        stamp, states = now(), [executor.state() for executor in executors]
+        message = writer.type(header=header("", stamp))
         message.name = [name for state in states for name in state.names]
         message.position = [float(value) for state in states for value in state.position]
         for part in ("velocity", "effort"):
             known = [getattr(state, part) for state in states]
             if all(values is not None for values in known):
                 setattr(message, part, [float(value) for values in known for value in values])
-        self._writer.publish(message)
+        writer.publish(message)
+
+    return Published("grip_joint_states", 1 / RATE, once)
 
 
 TOPICS = {
@@ -114,9 +109,9 @@ class CameraPublisher(Published):
         self._writers = {part: bus.writer(TOPICS[part][1], topic) for part, topic in self.topics.items()}
         for writer in self._writers.values():
             writer.advertise()
-        super().__init__(f"grip_camera_{name}", 1 / rate)
+        super().__init__(f"grip_camera_{name}", 1 / rate, self._take)
 
-    def _once(self) -> None:
+    def _take(self) -> None:
         wanted = [part for part, writer in self._writers.items() if writer.listeners()]
         if wanted:
             began, stamp = time.monotonic(), self._now()
@@ -146,73 +141,55 @@ KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """For topics whose last message is for those, too, who come later."""
 
 
-class RobotStatePublisher(Published):
-    """Publishes `/robot_description`, `/tf` and `/tf_static`, as robot_state_publisher does.
+def publish_frames(
+    bus: Bus,
+    robot: RobotDescription,
+    executors: Sequence[Measured],
+    fixed: Mapping[str, Pose],
+    now: Callable[[], float],
+    rate: float = 30.0,
+) -> Published:
+    """Publish `/robot_description`, `/tf` and `/tf_static`, as robot_state_publisher does.
 
     Args:
         executors: which measure all joints; others are where the description has them at rest.
         fixed: frames that don't move -> their pose in their parent, such as those of cameras.
+        now: the time of stamps [s].
         rate: of `/tf` [Hz].
-        now: the time of its stamps [s].
     """
+    ensure_package("tf2_msgs")
+    joints = [joint for joint in Tree.of(robot.urdf).joints.values() if joint.movable]
+    frames, text = load_type("tf2_msgs/msg/TFMessage"), load_type("std_msgs/msg/String")
 
-    def __init__(
-        self,
-        bus: Bus,
-        description: RobotDescription,
-        executors: Sequence[Measured],
-        fixed: Mapping[str, Pose],
-        rate: float = 30.0,
-        now: Callable[[], float] = time.time,
-    ):
-        ensure_package("tf2_msgs")
-        self._bus, self._executors, self._now = bus, executors, now
-        self._joints = [joint for joint in Tree.of(description.urdf).joints.values() if joint.movable]
-        self._robot = description
-        self._type, text = load_type("tf2_msgs/msg/TFMessage"), load_type("std_msgs/msg/String")
-        frames = FrameTree.of_urdf(description.urdf).with_poses(fixed).poses
-        node = bus.node
-
-        def begin() -> None:
-            self._moving = node.create_publisher(self._type, "/tf", 10)
-            self._kept = [
-                node.create_publisher(text, "/robot_description", KEPT),
-                node.create_publisher(self._type, "/tf_static", KEPT),
-            ]
-            self._kept[0].publish(text(data=description.urdf))
-            self._kept[1].publish(self._message(frames))
-
-        bus.ask(begin)
-        super().__init__("grip_robot_state", 1 / rate)
-
-    def _once(self) -> None:
-        positions = dict(self._robot.at_rest)
-        for executor in self._executors:
-            positions |= executor.state().as_mapping()
-        there = self._robot.with_followers(positions)
-        message = self._message({joint.child: joint.pose(there.get(joint.name, 0.0)) for joint in self._joints})
-        self._bus.post(partial(self._moving.publish, message))
-
-    def _message(self, poses: Mapping[str, Pose]) -> Message:
-        transforms, stamp = [], header("", self._now()).stamp
+    def message(poses: Mapping[str, Pose]) -> Message:
+        transforms, stamp = [], header("", now()).stamp
         for child, pose in poses.items():
             transform = pose_to_transform_stamped(pose)
             transform.child_frame_id, transform.header.stamp = child, stamp
             transforms.append(transform)
-        return self._type(transforms=transforms)
+        return frames(transforms=transforms)
+
+    def begin() -> Any:
+        kept = {"/robot_description": text(data=robot.urdf)}
+        kept["/tf_static"] = message(FrameTree.of_urdf(robot.urdf).with_poses(fixed).poses)
+        for topic, told in kept.items():
+            bus.node.create_publisher(type(told), topic, KEPT).publish(told)
+        return bus.node.create_publisher(frames, "/tf", 10)
+
+    moving = bus.ask(begin)
+
+    def once() -> None:
+        positions = dict(robot.at_rest)
+        for executor in executors:
+            positions |= executor.state().as_mapping()
+        there = robot.with_followers(positions)
+        told = message({joint.child: joint.pose(there.get(joint.name, 0.0)) for joint in joints})
+        bus.post(partial(moving.publish, told))
+
+    return Published("grip_robot_state", 1 / rate, once)
 
 
-class ClockPublisher(Published):
-    """Publishes `/clock`.
-
-    Args:
-        now: the simulated time [s].
-        rate: [Hz].
-    """
-
-    def __init__(self, bus: Bus, now: Callable[[], float], rate: float = 100.0):
-        self._writer, self._now = bus.writer("rosgraph_msgs/msg/Clock", "/clock"), now
-        super().__init__("grip_clock", 1 / rate)
-
-    def _once(self) -> None:
-        self._writer.publish(self._writer.type(clock=header("", self._now()).stamp))
+def publish_clock(bus: Bus, now: Callable[[], float], rate: float = 100.0) -> Published:
+    """Publish the simulated time `now` [s] on `/clock`, so often [Hz]."""
+    writer = bus.writer("rosgraph_msgs/msg/Clock", "/clock")
+    return Published("grip_clock", 1 / rate, lambda: writer.publish(writer.type(clock=header("", now()).stamp)))

@@ -297,16 +297,13 @@ class ControllerManager:
     def _switch(self, asked: Message, said: Message) -> Message:
         on, off = list(asked.activate_controllers), list(asked.deactivate_controllers)
         unknown = [name for name in (*on, *off) if name not in self._controllers]
-        wrong = [UnknownNameError("controller", name, self._controllers) for name in unknown]
-        if wrong and asked.strictness != asked.BEST_EFFORT:
-            said.message = str(wrong[0])
+        if unknown and asked.strictness != asked.BEST_EFFORT:
+            said.message = str(UnknownNameError("controller", unknown[0], self._controllers))
             return said
-        for name in off:
-            if name not in unknown:
-                self._controllers[name].deactivate()
-        for name in on:
-            if name not in unknown:
-                self._controllers[name].active = True
+        for name in self._controllers.keys() & off:
+            self._controllers[name].deactivate()
+        for name in self._controllers.keys() & on:
+            self._controllers[name].active = True
         said.ok = True
         return said
 

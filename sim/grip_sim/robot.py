@@ -22,6 +22,9 @@ GENTLE = 0.1
 CALM = 4.0
 """Armature of fingers that slide together over their drive's stiffness times dt^2, at least: one that is aimed at where
 the other was a step ago chatters with less."""
+TIE, TIE_TIME = 5.0, 1e-3
+"""Stiffness of a linkage over its drive's, and its damping over that [s]. Much stiffer, it swings, and fingers
+knock each other off what they meet."""
 REGULATION = 8.0
 """Rate at which that torque grows or sinks while fingers don't press at all, or twice as hard as they are to [1/s]."""
 LEAST, MOST = 1e-3, 0.999
@@ -62,6 +65,7 @@ class SimRobot:
         self._followers: dict[int, list[tuple[int, Mimic]]] = {}
         for name, mimic in description.mimics.items():
             self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
+        self._tie()
         self._set_drives(scene.timestep)
         self._let_neighbours_pass()
         rest = {j: q for j, q in description.at_rest.items() if j in self._rows}
@@ -235,6 +239,30 @@ class SimRobot:
             self._stiffness[row], self._damping[row] = drive.stiffness, drive.damping
         self.limit_torque(np.arange(len(self._joints)), None)
 
+    def _tie(self) -> None:
+        """Tie joints of a linkage by tendons: to the one that leads where that is beside them, else to the one below.
+
+        PhysX's tendons pass no fixed joint; what is behind one is held by its drive alone.
+        """
+        joints, mimics = {joint.name: joint for joint in self._joints}, self.description.mimics
+        for name, mimic in mimics.items():
+            child, other = joints[name].child_link, joints[mimic.joint]
+            if other.parent_link != child.parent:
+                other = child.parent.joint
+            tied = mimics.get(other.name, Mimic(other.name))
+            if tied.joint != mimic.joint:
+                continue
+            ratio = mimic.multiplier / tied.multiplier
+            stiffness = TIE * self.description.drives[mimic.joint].stiffness
+            self.body.create_fixed_tendon(
+                [other.parent_link, other.child_link, child],
+                [0.0, -ratio, 1.0],
+                [0.0, -1 / ratio, 1.0],
+                rest_length=mimic.offset - ratio * tied.offset,
+                stiffness=stiffness,
+                damping=TIE_TIME * stiffness,
+            )
+
     def _let_neighbours_pass(self) -> None:
         fingers = list(self.description.finger_links.values())
         distal = {link for finger in fingers for link in finger[2:]}
@@ -258,7 +286,7 @@ def _load(scene: sapien.Scene, description: RobotDescription) -> physx.PhysxArti
     loader.set_material(0.0, 0.0, 0.0)  # as `FIXED`: an object's own friction counts
     with tempfile.TemporaryDirectory() as folder:  # the loader reads files only
         file = Path(folder) / f"{description.name}.urdf"
-        file.write_text(description.urdf_without_visuals())
+        file.write_text(description.urdf_for_physics())
         body = loader.load(str(file))
     body.set_solver_position_iterations(16)
     body.set_solver_velocity_iterations(1)

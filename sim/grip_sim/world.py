@@ -201,16 +201,15 @@ class World:
         """Yield the contacts of the last step that carry a force; those of objects moved since then are void."""
         for contact in self._scene.get_contacts():
             one, two = (body.entity.name for body in contact.bodies)
-            push = np.sum([point.impulse for point in contact.points], axis=0) / self.spec.dt
-            if np.linalg.norm(push) > TOUCH and self._moved.isdisjoint((one, two)):
-                yield Contact(one, two, (float(push[0]), float(push[1]), float(push[2])))
+            if self._force(contact) > TOUCH and self._moved.isdisjoint((one, two)):
+                x, y, z = (_impulse(contact) / self.spec.dt).tolist()
+                yield Contact(one, two, (x, y, z))
 
     def hand_contacts(self, hand: str) -> Mapping[str, float]:
         """Return the contact force [N] of each link of a hand that touches something that isn't the robot."""
         forces: dict[str, float] = {}
         for link, _, contact in self._touching(hand):
-            force = float(np.linalg.norm(np.sum([point.impulse for point in contact.points], axis=0) / self.spec.dt))
-            if force > TOUCH:
+            if (force := self._force(contact)) > TOUCH:
                 forces[link.entity.name] = forces.get(link.entity.name, 0.0) + force
         return forces
 
@@ -236,12 +235,12 @@ class World:
     def pressed(self, hand: str) -> float:
         """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other."""
         if hand not in self._pressed:
-            forces = 0.0
-            for _, _, contact in self._holding(hand):
-                impulse = reduce(add, [point.impulse for point in contact.points])
-                forces += float(np.sqrt(impulse.dot(impulse))) / self.spec.dt
-            self._pressed[hand] = forces / 2
+            self._pressed[hand] = sum(self._force(contact) for _, _, contact in self._holding(hand)) / 2
         return self._pressed[hand]
+
+    def _force(self, contact: physx.PhysxContact) -> float:
+        impulse = _impulse(contact)
+        return float(np.sqrt(impulse.dot(impulse))) / self.spec.dt
 
     def _holding(self, hand: str) -> Iterator[tuple[Any, Any, physx.PhysxContact]]:
         """Yield the contacts of a hand's links and objects, with the link and the body."""
@@ -391,6 +390,10 @@ def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise ValueError(f"a world's objects, boxes and links need names of their own; more than one is {twice[0]!r}")
+
+
+def _impulse(contact: physx.PhysxContact) -> Array:
+    return reduce(add, [point.impulse for point in contact.points])
 
 
 def _looks_of(spec: ObjectSpec) -> list[Look]:

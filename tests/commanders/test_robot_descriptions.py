@@ -51,10 +51,10 @@ def test_every_mesh_exists_on_this_machine(name):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_links_without_visuals_keep_their_collision_shapes(name):
+def test_what_physics_reads_has_all_collision_shapes_and_neither_looks_nor_mimics(name):
     description = build_robot(name)
-    full, bare = ET.fromstring(description.urdf), ET.fromstring(description.urdf_without_visuals())
-    assert not list(bare.iter("visual"))
+    full, bare = ET.fromstring(description.urdf), ET.fromstring(description.urdf_for_physics())
+    assert not [*bare.iter("visual"), *bare.iter("mimic")]
     assert len(list(bare.iter("collision"))) == len(list(full.iter("collision"))) > 0
 
 

@@ -51,6 +51,17 @@ def test_a_gripper_presses_with_the_force_that_it_is_told(name, force):
     assert run(world, 1.0).mean() == pytest.approx(force, rel=0.05)
 
 
+@pytest.mark.parametrize("force", [5.0, 10.0, 20.0])
+@pytest.mark.parametrize("name", ["ur5_robotiq", "xarm7_gripper"])
+def test_a_linkage_that_meets_a_thing_holds_it_in_the_air(name, force):
+    world, _ = held(0.5, force, name)
+    begin = world.object_pose("thing").position[2]
+    forces = run(world, 1.0)
+    assert forces.mean() == pytest.approx(force, rel=0.05)
+    assert forces.std() < 0.1 * force
+    assert abs(world.object_pose("thing").position[2] - begin) < 1e-4
+
+
 @pytest.mark.parametrize("mass", [0.2, 0.5])
 @pytest.mark.parametrize("friction", [0.3, 0.5, 0.8])
 @pytest.mark.parametrize("name", ["panda", "ur5_gripper"])

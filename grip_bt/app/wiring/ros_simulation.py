@@ -20,12 +20,7 @@ from grip_bt.base.ports import Executor, HandPort
 from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.interfaces.build import shell_setup
-from grip_bt.ros.served import (
-    CameraPublisher,
-    ClockPublisher,
-    JointStatePublisher,
-    RobotStatePublisher,
-)
+from grip_bt.ros.served import CameraPublisher, publish_clock, publish_frames, publish_joints
 from grip_bt.ros.served_controllers import ControllerManager, FingerController, GripperController, TrajectoryController
 from grip_sim.simulation import Simulation, start_simulation
 from grip_sim.specs import CameraSpec
@@ -107,10 +102,10 @@ def serve_world(
         joints = project.file.ros.joint_states if project.file.ros is not None else JOINT_STATES
         now = (lambda: simulation.clock.simulated) if simulated_time else time.time
         measured = tuple(executors.values())
-        stack.callback(JointStatePublisher(bus, joints, measured, now=now).close)
+        stack.callback(publish_joints(bus, joints, measured, now).close)
         progress("joints", joints)
         if simulated_time:
-            stack.callback(ClockPublisher(bus, now).close)
+            stack.callback(publish_clock(bus, now).close)
             progress("clock", "/clock")
         cameras = {}
         for name, sensor in project.file.sensors.items():
@@ -121,7 +116,7 @@ def serve_world(
                 cameras[name] = {**said, "mount": _mount(simulation, project, name)}
                 progress("camera", ", ".join(served.topics.values()))
         fixed = {f"{name}_optical": _camera_of(simulation, project, name).info().pose for name in cameras}
-        stack.callback(RobotStatePublisher(bus, project.description(), measured, fixed, now=now).close)
+        stack.callback(publish_frames(bus, project.description(), measured, fixed, now).close)
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
         SimulationServices(bus, simulation, partial(world_of, project, world=world), project.folder, now)

@@ -181,12 +181,12 @@ class RobotDescription:
         followed = {name: m.multiplier * positions.get(m.joint, 0.0) + m.offset for name, m in self.mimics.items()}
         return {**positions, **followed}
 
-    def urdf_without_visuals(self) -> str:
-        """Return the URDF without `<visual>` elements, for a simulator that has no renderer."""
+    def urdf_for_physics(self) -> str:
+        """Return the URDF without `<visual>`, as nothing renders, and `<mimic>`: who simulates ties joints itself."""
         robot = ET.fromstring(self.urdf)
-        for link in robot.findall("link"):
-            for visual in link.findall("visual"):
-                link.remove(visual)
+        for part in (*robot.findall("link"), *robot.findall("joint")):
+            for element in (*part.findall("visual"), *part.findall("mimic")):
+                part.remove(element)
         return ET.tostring(robot, encoding="unicode")
 
 
