@@ -1,5 +1,5 @@
 // A task is built, checked, run and stopped by keys alone, and what a screen reader has to say at each of them is printed: roles,
-// names and states as Chromium's accessibility tree has them, and what the live regions tell. docs/editor.md holds the same.
+// names and states as Chromium's accessibility tree has them, and what the live regions tell. docs/study.md holds the same.
 import assert from "node:assert/strict";
 
 import { eventually, onPage, url } from "./page.mjs";

@@ -209,7 +209,7 @@ def test_a_task_is_built_and_run_by_keys_and_by_ear_as_the_docs_say(folder: Path
     with editing(folder) as (_, url):
         done = subprocess.run(browser("by_ear.mjs", url), capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
-    docs = (Path(__file__).parents[2] / "docs" / "editor.md").read_text(encoding="utf-8")
+    docs = (Path(__file__).parents[2] / "docs" / "study.md").read_text(encoding="utf-8")
     assert done.stdout.strip() == docs.partition("```text\n")[2].partition("\n```")[0], done.stdout
 
 
