@@ -55,13 +55,9 @@ _SUCCESS = frozenset(
         *("finish", "arrived", "ok", "okay", "yes", "complete", "completed", "found", "reached", "exhausted"),
     )
 )
-
-
 _FAILURE = re.compile(
     r"abort|cancel|error|exit|fail|false|invalid|lost|miss|never|no$|no_|none|not|over|preempt|quit|reject|stop|time|un|wrong"
 )
-
-
 _NEGATED = re.compile(r"no|not|un.+|fail.*|never")
 
 
@@ -213,8 +209,6 @@ def _going_on(
 
 Made = Mapping[str, Callable[[ModuleType], object]]
 """Module -> what gives it names of its own where it is stood in for."""
-
-
 _OF_ROS = ("launch",)
 """A package of ROS after which every other package has a folder, without `__init__.py`."""
 

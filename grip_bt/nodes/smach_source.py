@@ -185,21 +185,32 @@ class LegacyFinder(MetaPathFinder, Loader):
         self.folders, self.compiled = list(folders), compiled or _compiled
 
     def find_spec(self, fullname: str, path: Sequence[str] | None = None, target: object = None) -> ModuleSpec | None:
-        """Find a module or package; folders that only have its name are none."""
+        """Find a module or package; a folder that only has its name is one if it has modules and no manifest."""
         last = fullname.rpartition(".")[2]
-        for folder in map(Path, path) if path is not None else self.folders:
+        folders = self.folders if path is None else [*map(Path, path)]
+        for folder in folders:
             for file in (folder / last / "__init__.py", folder / f"{last}.py"):
                 if file.is_file():
                     below = [str(file.parent)] if file.name == "__init__.py" else None
                     return spec_from_file_location(fullname, file, loader=self, submodule_search_locations=below)
-        return None
+        parts = [str(folder / last) for folder in folders if _has_modules(folder / last)]
+        spec = ModuleSpec(fullname, self, origin=parts[0], is_package=True) if parts else None
+        if spec is not None:
+            spec.submodule_search_locations = parts
+        return spec
 
     def create_module(self, spec: ModuleSpec) -> None:
         """Have the usual kind of module made."""
 
     def exec_module(self, module: ModuleType) -> None:
-        """Execute it."""
-        exec(self.compiled(Path(str(module.__file__))), module.__dict__)
+        """Execute it, unless it is only a folder."""
+        if "__file__" in vars(module):
+            exec(self.compiled(Path(str(module.__file__))), module.__dict__)
+
+
+def _has_modules(folder: Path) -> bool:
+    named = folder.is_dir() and not any((folder / name).is_file() for name in (*_MANIFESTS, "setup.py"))
+    return named and any(folder.glob("*.py"))
 
 
 def _compiled(file: Path) -> CodeType:

@@ -11,6 +11,7 @@ import dis
 import operator
 import sys
 from collections.abc import Callable, Collection, Generator, Iterator
+from functools import partialmethod
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import FunctionType, ModuleType
@@ -34,13 +35,13 @@ class Judge:
         elsewhere: whether it gave an answer that isn't true of what stand-ins hold.
         used: whether anything has gone by a stand-in.
         known: what somebody has said of things that aren't here, by their names: their values, answers to questions.
-        turned: two things in a set -> whether the second comes first.
+        lasting: what was decided of what stays as it is while a machine is built: parameters, classes, orders of sets.
     """
 
     elsewhere = used = False
 
     def __init__(self) -> None:
-        self.turned: dict[frozenset[Any], bool] = {}
+        self.lasting: dict[Any, Any] = {}
         self.known: dict[str, Any] = {}
 
     def decide(self, what: str, wanted: bool) -> bool:
@@ -67,11 +68,14 @@ def judged_by(new: Judge) -> None:
 
 
 def asked_once(value: Any, what: str, wanted: bool, *about: object) -> bool:
-    """Return the answer to a question about a stand-in, which stays as it is; `about`: what else is in it."""
+    """Return the answer to a question about a stand-in, which stays as it is; `about`: what else is in it.
+
+    Without a question it is asked whether it is true.
+    """
     answers = vars(value).setdefault("_stand_in_answers", {})
     key = (what, *map(id, about))
     if key not in answers:
-        answers[key] = judge.decide(what, wanted), about  # which lives on, and so keeps its id
+        answers[key] = judge.decide(what or name_of(value), wanted), about  # which lives on, and so keeps its id
     return bool(answers[key][0])
 
 
@@ -92,7 +96,13 @@ class _Kind(type):
     def __instancecheck__(cls, instance: object) -> bool:
         if type.__instancecheck__(cls, instance) or cls is StandIn or not type.__instancecheck__(StandIn, instance):
             return type.__instancecheck__(cls, instance)
-        return asked_once(instance, f"isinstance({name_of(instance)}, {cls.__name__})", True, cls)
+        what = f"isinstance({name_of(instance)}, {cls.__name__})"
+        made_by = type(instance)
+        if made_by is StandIn:
+            return asked_once(instance, what, True, cls)
+        if (cls, made_by) not in judge.lasting:  # it holds for all that this class makes
+            judge.lasting[cls, made_by] = judge.decide(what, True)
+        return bool(judge.lasting[cls, made_by])
 
     def __iter__(cls) -> Iterator[Any]:
         judge.note(cls.__name__)
@@ -108,7 +118,7 @@ class StandIn(metaclass=_Kind):
     _stand_in_name = _stand_in_called = ""
     _stand_in_held: Any = UNKNOWN
     _stand_in_wanted = True
-    _stand_in_answer: bool | None = None
+    _stand_in_there = False
 
     def __init__(self, *arguments: object, **named: object):
         """Take anything; a text may be what it is called, as a node of a tree is."""
@@ -156,10 +166,7 @@ class StandIn(metaclass=_Kind):
 
     def __bool__(self) -> bool:
         held = held_by(self)
-        if self._stand_in_answer is None:
-            wanted = self._stand_in_wanted if held is UNKNOWN else bool(held)
-            vars(self)["_stand_in_answer"] = judge.decide(name_of(self), wanted)
-        return bool(self._stand_in_answer)
+        return asked_once(self, "", self._stand_in_wanted if held is UNKNOWN else bool(held))
 
     def _forced(self, kind: Callable[[Any], Any], otherwise: Any) -> Any:
         held = held_by(self)
@@ -173,8 +180,7 @@ class StandIn(metaclass=_Kind):
     def __str__(self) -> str:
         return str(self._forced(str, f"<{name_of(self)}>"))
 
-    def __fspath__(self) -> str:
-        return str(self._forced(str, f"<{name_of(self)}>"))
+    __fspath__ = __str__
 
     def __format__(self, spec: str) -> str:
         return str(self._forced(lambda held: format(held, spec), f"<{name_of(self)}>"))
@@ -218,31 +224,20 @@ class StandIn(metaclass=_Kind):
         return compared.setdefault((sign, type(other), other), stand_in(name, wanted=sign == "!="))
 
 
-def _operation(work: Callable[..., Any], turned: bool) -> Callable[..., Any]:
-    if turned:
-        return lambda self, other: lifted(work, name_of(self), other, self)
-    return lambda self, *others: lifted(work, name_of(self), self, *others)
-
-
-def _conversion(kind: Callable[..., Any], otherwise: float) -> Callable[..., Any]:
-    return lambda self: self._forced(kind, otherwise)
-
-
-def _comparison(work: Callable[..., Any], sign: str) -> Callable[..., Any]:
-    return lambda self, other: self._asked(work, sign, other)
+def _turned(work: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    return lambda one, other: work(other, one)
 
 
 for _name in "add sub mul truediv floordiv mod pow or and xor lshift rshift matmul".split():
     _work = getattr(operator, f"__{_name}__")
-    setattr(StandIn, f"__{_name}__", _operation(_work, False))
-    setattr(StandIn, f"__r{_name}__", _operation(_work, True))
-for _name in ("neg", "pos", "abs", "invert"):
-    setattr(StandIn, f"__{_name}__", _operation(getattr(operator, f"__{_name}__"), False))
+    setattr(StandIn, f"__{_name}__", partialmethod(StandIn._made, _work))
+    setattr(StandIn, f"__r{_name}__", partialmethod(StandIn._made, _turned(_work)))
+for _name, _work in (*((n, getattr(operator, n)) for n in ("neg", "pos", "abs", "invert")), ("round", round)):
+    setattr(StandIn, f"__{_name}__", partialmethod(StandIn._made, _work))
 for _name, _kind in (("float", float), ("int", int), ("index", operator.index), ("len", len)):
-    setattr(StandIn, f"__{_name}__", _conversion(_kind, 0.0 if _kind is float else 0))
-StandIn.__round__ = _operation(round, False)  # type: ignore[attr-defined]
+    setattr(StandIn, f"__{_name}__", partialmethod(StandIn._forced, _kind, 0.0 if _kind is float else 0))
 for _name, _sign in (("eq", "=="), ("ne", "!="), ("lt", "<"), ("le", "<="), ("gt", ">"), ("ge", ">=")):
-    setattr(StandIn, f"__{_name}__", _comparison(getattr(operator, _name), _sign))
+    setattr(StandIn, f"__{_name}__", partialmethod(StandIn._asked, getattr(operator, _name), _sign))
 
 
 def stand_in(name: str, held: Any = UNKNOWN, wanted: bool = True) -> StandIn:
@@ -255,6 +250,17 @@ def stand_in(name: str, held: Any = UNKNOWN, wanted: bool = True) -> StandIn:
 def known(name: str, held: Any = UNKNOWN) -> Any:
     """Return what somebody has said of something of this name, or a stand-in."""
     return judge.known[name[:_LONGEST]] if name[:_LONGEST] in judge.known else stand_in(name, held)
+
+
+def lasting(name: str, held: Any, there: bool) -> Any:
+    """Return what is `known`, the same one each time; `there`: whether it can't be None."""
+    made = known(name, held)
+    if stands_in(made):
+        vars(made)["_stand_in_there"] = there
+    plain = held is UNKNOWN or isinstance(
+        held, (str, int, float, type(None))
+    )  # others may be changed where they are used
+    return judge.lasting.setdefault((name, there, type(held), held), made) if plain else made
 
 
 def stands_in(value: object) -> bool:

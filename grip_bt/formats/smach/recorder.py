@@ -34,8 +34,9 @@ from .found import Built, Job, Record, Run, Told
 from .sandbox import BUILDER_PATIENCE, PATIENCE, Warmed, WarmProcesses, in_child, seconds_used
 from .surroundings import guard, ros_stand_ins, surround
 
-MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS = 100, 6, 6
-"""In how many ways the questions of a builder, and those of an import, are answered; few, where all are too many."""
+MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS, MOST_FAILED = 100, 6, 6, 32
+"""In how many ways the questions of a builder, and those of an import, are answered; few, where all are too many, or
+where none has built anything."""
 MOST_QUESTIONS = 400
 _MEMORY = 4 << 30
 _ROS = ("rospy", "rclpy", "roslib", "actionlib", "smach_ros", "tf", "tf2_ros", "launch", "launch_ros")
@@ -149,24 +150,30 @@ class Recording(Construction):
 def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
     """Return the runs with all ways of answering what is asked.
 
-    It ends early where that is enough: each machine is another one by the answers, or there are too many ways.
+    It ends early where that is enough: each machine is another one by the answers, or there are too many ways. The last
+    question of the last run is changed first: what it led to was nearest to it; last what comes after one that was
+    changed without any effect on an error.
     """
-    todo, runs, shapes = [list[bool]()], list[Run](), defaultdict[str, set[str]](set)
+    todo, runs, shapes = [("", list[bool]())], list[Run](), defaultdict[str, set[str]](set)
     while todo:
-        late = sum(run.seconds for run in runs) > PATIENCE / 3 or len(runs) >= most
-        hopeless = len(runs) + len(todo) > most and len(runs) >= FEW_ANSWERS and any(not run.error for run in runs)
+        works = any(not run.error for run in runs)
+        late = sum(run.seconds for run in runs) > PATIENCE / 3 or len(runs) >= (
+            most if works else min(most, MOST_FAILED)
+        )
+        hopeless = len(runs) + len(todo) > most and len(runs) >= FEW_ANSWERS and works
         if late or hopeless:
             for run in runs:
                 run.unfinished = True
             break
-        given = todo.pop()  # the last question of the last run is changed first: what it led to was nearest to it
+        error, given = todo.pop()
         run = first(given)
         runs.append(run)
         for machine in run.machines:
             shapes[machine.key].add(machine.shape)
         if run.stopped or (shapes and all(len(each) > 1 for each in shapes.values())):
             break
-        todo += [[*run.answers[:n], not run.answers[n]] for n in range(len(given), len(run.answers))]
+        more = [(run.error, [*run.answers[:n], not run.answers[n]]) for n in range(len(given), len(run.answers))]
+        todo = [*more, *todo] if error and run.error == error else [*todo, *more]
     return runs
 
 

@@ -26,7 +26,7 @@ from xml.etree import ElementTree
 
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_source import Workspace
-from grip_bt.nodes.stand_ins import StandInFinder, known, lifted, name_of, stand_in, stand_in_class, stands_in
+from grip_bt.nodes.stand_ins import StandInFinder, known, lasting, lifted, name_of, stand_in, stand_in_class, stands_in
 from grip_bt.smach_compat import smach_ros as real
 from grip_bt.smach_compat.smach_ros._port import Ros
 
@@ -58,7 +58,8 @@ def guard(workspace: Workspace, read: set[str]) -> None:
         writes = any(c in mode for c in "wax+") if isinstance(mode, str) else bool(flags and int(flags) & _WRITING)
         if writes:
             raise PermissionError(f"writing {arguments[0]} isn't allowed while machines are recorded")
-        path = os.path.abspath(arguments[0]) if isinstance(arguments[0], str) else ""
+        named = isinstance(arguments[0], str) and arguments[0][:1] != "<"  # what has no file: texts, stand-ins
+        path = os.path.abspath(arguments[0]) if named else ""
         if not path or path.endswith((".py", ".pyc", ".so")) or _importing():
             return
         if _changed(path):
@@ -94,7 +95,7 @@ def surround(workspace: Workspace) -> None:
     for function in _CHANGING:
         SPECIAL[function] = _change
     SPECIAL[open] = _opened
-    SPECIAL[os.getenv] = lambda key, default=None: known(f"${key}", os.getenv(key, default))
+    SPECIAL[os.getenv] = lambda key, default=None: lasting(f"${key}", os.getenv(key, default), default is not None)
     SPECIAL[input] = lambda *given: known("input()")
     SPECIAL[time.sleep] = lambda seconds: None
     setattr(os, "environ", _Environment(os.environ))  # noqa: B010 - the process is ours
@@ -168,12 +169,12 @@ class _Environment(dict[str, str]):
             return super().__getitem__(key)
         there = key in dict.keys(self) or f"${key}" in stand_ins.judge.known
         if there or stand_ins.judge.decide(f"${key} is set", True):
-            return known(f"${key}", super().get(key, stand_ins.UNKNOWN))
+            return lasting(f"${key}", super().get(key, stand_ins.UNKNOWN), True)
         raise KeyError(key)
 
     def get(self, key: str, default: Any = None) -> Any:
         value = super().get(key, default)
-        return known(f"${key}", value) if _is_legacy_caller() else value
+        return lasting(f"${key}", value, default is not None) if _is_legacy_caller() else value
 
     def __contains__(self, key: object) -> bool:
         if _is_legacy_caller():
@@ -223,7 +224,7 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
 
     def rospy(module: ModuleType) -> None:
         def parameter(name: Any, default: Any = stand_ins.UNKNOWN) -> Any:
-            return known(f"ROS parameter {name}", default)
+            return lasting(f"ROS parameter {name}", default, default is not None)
 
         given: dict[str, Any] = {
             "get_param": parameter,

@@ -198,7 +198,9 @@ class TaskMaker:
         return self._leaf(found, added, keys, remapping)
 
     def _leaf(self, found: ContainerInfo, added: Child, keys: Keys, remapping: Mapping[str, str]) -> tuple[Leaf, Ends]:
-        state, outcomes = added.state, _outcomes(added)
+        state, outcomes = added.state, added.state.outcomes
+        if not outcomes:
+            raise RefusedError(f"nothing is known of the outcomes of {added.label!r} ({state.cls})")
         inputs, outputs = state.input_keys, state.output_keys
         if not state.kind:
             inputs = outputs = list(remapping)
@@ -250,19 +252,6 @@ class TaskMaker:
             data={name: declared for name, declared in data.items() if name not in local},
             root=node,
         )
-
-
-def _outcomes(added: Child) -> list[str]:
-    """Return a state's outcomes; where nothing is known of them, those that lead somewhere."""
-    state, known = added.state, list(added.transitions)
-    if state.outcomes:
-        return state.outcomes
-    if not known:
-        raise RefusedError(f"nothing is known of the outcomes of {added.label!r} ({state.cls})")
-    if not state.issues:
-        text = f"the outcomes of {state.cls} are taken from its transitions, since its class isn't here"
-        state.problem("partial", text)
-    return known
 
 
 def _read_too_early(task: Task, catalog: Catalog) -> set[str]:

@@ -101,10 +101,12 @@ def caller() -> FrameType | None:
     return frame
 
 
-def _is(left: object, right: object) -> bool:
+def _is(left: Any, right: Any) -> bool:
     for one, other in ((left, right), (right, left)):
         if stands_in(one) and not isinstance(one, type):
             held = value_of(one)
+            if other is None and one._stand_in_there:
+                return False
             if held is not stand_ins.UNKNOWN:
                 return asked_once(one, name_of(one), held is value_of(other), other)
             if other is None and type(one) is not StandIn:  # made by calling a class
@@ -112,14 +114,14 @@ def _is(left: object, right: object) -> bool:
             if other is None or isinstance(other, bool):
                 same = asked_once(one, f"{name_of(one)} is {other!r}", False)
                 if same:
-                    vars(one)["_stand_in_answer"] = bool(other)
+                    vars(one)["_stand_in_answers"]["",] = bool(other), ()
                 return same
     return left is right
 
 
 def _mod(left: Any, right: Any) -> Any:
     if isinstance(left, (str, bytes)) and _inside(right):
-        return lifted(lambda a, b: a % b, f"text with {_first_name(right)}", left, right)
+        return _never_none(lifted(lambda a, b: a % b, f"text with {_first_name(right)}", left, right))
     return left % right
 
 
@@ -129,7 +131,13 @@ def _text(*parts: Any) -> Any:
         return "".join(p if isinstance(p, str) else format(shown[p[1]](p[0]), p[2]) for p in values)
 
     name = f"text with {_first_name(parts)}" if _inside(parts) else ""
-    return lifted(joined, name, *parts) if name else joined(*parts)
+    return _never_none(lifted(joined, name, *parts)) if name else joined(*parts)
+
+
+def _never_none(text: Any) -> Any:
+    if stands_in(text):
+        vars(text)["_stand_in_there"] = True
+    return text
 
 
 def _inside(value: Any) -> bool:
@@ -156,7 +164,7 @@ class TrackedSet(set[Any]):
             if len(items) > 2:
                 stand_ins.judge.note("the order of a set")
                 return set.__iter__(self)
-            turned, key = stand_ins.judge.turned, frozenset(items)
+            turned, key = stand_ins.judge.lasting, frozenset(items)
             if key not in turned:
                 turned[key] = not stand_ins.judge.decide(f"whether {items[0]!r} is first in a set", True)
             items = items[::-1] if turned[key] else items
@@ -215,6 +223,8 @@ def _isinstance(value: Any, kinds: Any) -> bool:
         declared = vars(value).get("_stand_in_declared")
         if isinstance(value, kinds) if type(value) is not StandIn else declared in names:
             return True
+        if type(value) is not StandIn and all(issubclass(kind, StandIn) for kind in _each(kinds)):
+            return False  # as was answered just now
         return asked_once(value, f"isinstance({name_of(value)}, {' or '.join(names)})", True, *_each(kinds))
     return isinstance(value, kinds)
 

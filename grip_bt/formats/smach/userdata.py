@@ -36,15 +36,8 @@ class Variables:
 
     def declared(self, maybe_unwritten: set[str]) -> dict[str, Variable | str]:
         """Return them as a task's `data`."""
-        made: dict[str, Variable | str] = {}
-        for name in self.names:
-            if name in self.values:
-                made[name] = Variable(type="Any", value=self.values[name])
-            elif name in maybe_unwritten:
-                made[name] = Variable(type="Any", value=None)
-            else:
-                made[name] = "Any"
-        return made
+        values = {**dict.fromkeys(maybe_unwritten), **self.values}
+        return {name: Variable(type="Any", value=values[name]) if name in values else "Any" for name in self.names}
 
 
 class Keys:

@@ -10,6 +10,8 @@ from smach_runs import build_legacy, record, run_legacy, run_task, write_recorde
 
 from grip_bt.cli.__main__ import main
 from grip_bt.formats.smach import import_file
+from grip_bt.formats.smach.found import Run
+from grip_bt.formats.smach.recorder import answered
 from grip_bt.nodes.smach_source import load_legacy
 
 DATA = Path(__file__).parent / "data"
@@ -416,6 +418,55 @@ def test_what_a_module_has_that_is_not_here_is_known_only_in_a_run(asked, tmp_pa
 
 def test_old_code_that_is_prepared_for_an_error_is_read_without_a_trace(tmp_path):
     code = "def made(label):\n    try:\n        rospy.loginfo(label)\n    except AttributeError, e:\n        print e\n"
-    assert verdicts(
-        recorded(tmp_path, TWO_WAYS.replace("BIG = ", "#") + code + "made = machine('A')\nmade('A')\n")
-    ) == ["exact"]
+    code = TWO_WAYS.replace("BIG = ", "#") + code + "made('A')\nmade = machine('A')\n"
+    assert verdicts(recorded(tmp_path, code)) == ["exact"]
+
+
+def test_a_folder_of_modules_is_a_package_as_python_3_has_it(tmp_path):
+    parts = tmp_path / "src" / "parts"
+    parts.mkdir(parents=True)
+    (tmp_path / "package.xml").write_text("<package><name>lab</name></package>")
+    (parts / "states.py").write_text(TWO_WAYS.split("def machine")[0])
+    for folder in (tmp_path / "src" / "lab_msgs", parts / "none"):  # a ROS package, and one without modules
+        folder.mkdir()
+    (tmp_path / "src" / "lab_msgs" / "package.xml").write_text("<package><name>lab_msgs</name></package>")
+    (tmp_path / "src" / "lab_msgs" / "gen.py").write_text("")
+    code = "from parts.states import Go\nfrom lab_msgs.msg import Goal\n" + TWO_WAYS[TWO_WAYS.index("def machine") :]
+    (found,) = recorded(tmp_path, "import rospy, smach\n" + code + "made = machine('A')\n").containers
+    assert (found.verdict, found.added["A"].state.outcomes) == ("exact", ["there"])
+
+
+OFTEN = """
+FRAME = None
+
+def frame():
+    global FRAME
+    if FRAME is None:
+        FRAME = rospy.get_param('~frame', 'base')
+    return FRAME
+
+class Move(smach.State):
+    def __init__(self, target=None):
+        smach.State.__init__(self, outcomes=['there'])
+        self.target = frame() + '/tip' if target is None else target
+        self.fast = isinstance(rospy.Publisher('/x'), rospy.Subscriber) or rospy.get_param('~fast', False)
+
+sm = smach.StateMachine(['there'])
+with sm:
+    for number in range(12):
+        smach.StateMachine.add('S%d' % number, Move('%s/%d' % (frame(), number)), {'there': 'S%d' % (number + 1)})
+    smach.StateMachine.add('S12', Move())
+"""
+
+
+def test_what_stays_as_it_is_while_a_machine_is_built_is_asked_once(tmp_path):
+    assert verdicts(recorded(tmp_path, "import rospy, smach\n" + OFTEN)) == ["exact"]
+
+
+@pytest.mark.parametrize("wanted", [10, 24, 39])
+def test_a_question_that_keeps_machines_from_being_built_is_found(wanted):
+    def first(given):
+        answers = [*given, *[True] * (40 - len(given))]
+        return Run(builder="build", answers=answers, error="" if not answers[wanted] else "it ended at once")
+
+    assert any(not run.error for run in answered(first, 100))
