@@ -66,6 +66,15 @@ def test_type_hashes_are_those_of_a_ros_installation(tmp_path):
 
 
 @pytest.mark.slow
+def test_what_a_killed_build_left_is_gone_after_the_next_one(tmp_path):
+    home = make_package(tmp_path, "words", {"msg/Word.msg": "string text\n"})
+    (built,) = build_interfaces(home, tmp_path / "cache")
+    left = built.prefix.rename(built.prefix.with_name(f".{built.prefix.name}-killed"))
+    assert not build_interfaces(home, tmp_path / "cache")[0].cached
+    assert not left.exists()
+
+
+@pytest.mark.slow
 def test_packages_may_nest_each_other_and_a_child_process_may_import_them(tmp_path):
     make_package(
         tmp_path / "src",

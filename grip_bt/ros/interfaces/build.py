@@ -140,7 +140,9 @@ def _build(package: Package, prefix: Path, prefixes: Sequence[Path]) -> bool:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if prefix.is_dir():
             return True
-        with tempfile.TemporaryDirectory(prefix=f".{package.name}-", dir=prefix.parent) as work:
+        for left in prefix.parent.glob(f".{prefix.name}-*"):  # by a build that was killed
+            shutil.rmtree(left, ignore_errors=True)
+        with tempfile.TemporaryDirectory(prefix=f".{prefix.name}-", dir=prefix.parent) as work:
             target = Path(work) / "install"
             target.mkdir()
             generated = generate(package, Path(work) / "build", prefixes)
