@@ -5,6 +5,7 @@ from robot_files import LIMITS, SRDF, urdf
 
 from grip_bt.app.project.new_robot import new_robot
 from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.commanders.description.configurations import configured_packages
 from grip_bt.commanders.description.hints import hints_of
 from grip_bt.commanders.description.load import config_of, inspect_robot, load_robot
 from grip_bt.commanders.description.packages import Packages, packages_below, surroundings
@@ -134,8 +135,22 @@ def test_a_name_that_no_urdf_has_is_told_with_what_was_tried(workspace):
     srdf = '<robot name="other"><group name="g"><chain base_link="x" tip_link="y"/></group></robot>'
     folder = package(workspace / "smally_moveit", "smally_moveit", ["smally_model"], **{"srdf/a.srdf": srdf})
     (told,) = [f for f in inspect_robot(str(folder)).findings if f.severity == "error"]
-    assert "no URDF has what the SRDF names (tried: " in told.message
-    assert "smally.urdf" in told.message
+    assert "no URDF has what the SRDF names (tried: smally.urdf)" in told.message
+
+
+def test_a_description_that_isnt_here_is_named_whatever_else_lies_around(workspace):
+    package(workspace / "tool", "tool_description", **{"urdf/broken.urdf.xacro": "<robot><xacro:nothing/></robot>"})
+    made = "moveit_setup_assistant_config:\n  URDF: {package: other_description, relative_path: urdf/other.urdf}\n"
+    srdf = '<robot name="other"><group name="g"><chain base_link="x" tip_link="y"/></group></robot>'
+    folder = package(workspace / "other_moveit", "other_moveit", **{"config/a.srdf": srdf, ".setup_assistant": made})
+    (told,) = [f for f in inspect_robot(str(folder)).findings if f.severity == "error"]
+    assert "made of: other_description/urdf/other.urdf" in told.message
+
+
+def test_what_a_driver_tests_with_is_no_configuration(workspace):
+    package(workspace / "driver", "driver", **{"test/mock.srdf": SRDF})
+    folder = package(workspace / "smally_moveit", "smally_moveit", ["smally_model"], **{"srdf/smally.srdf": SRDF})
+    assert configured_packages(workspace) == [folder]
 
 
 def test_packages_are_known_by_their_manifests_in_the_whole_workspace(workspace):

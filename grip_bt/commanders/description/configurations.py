@@ -122,11 +122,14 @@ class Configurations:
                     return best
         if best is not None and best.fit >= LEAST:
             return best
-        if failed is not None:
+        if failed is not None and best is None:
             raise DocumentError(f"{failed.message} (the URDF that is the likeliest)", failed.source, failed.line)
-        tried = ", ".join(str(path) for path in candidates) or "none found"
+        tried = ", ".join(path.name for path in candidates) or "none found"
+        entry = self.assistant.get("urdf", {})
+        named = "/".join(str(entry[key]) for key in ("package", "relative_path") if entry.get(key))
+        made = f"made of: {named}; " if named else ""
         raise DocumentError(
-            f"no URDF has what the SRDF names (tried: {tried}); name it as `urdf:` or `xacro:`",
+            f"no URDF has what the SRDF names ({made}tried: {tried}); name it as `urdf:` or `xacro:`",
             str(chosen.srdf or self.folder),
         )
 
@@ -222,6 +225,7 @@ class Configurations:
 
 
 _UNDEFINED = re.compile(r"Undefined substitution argument (\w+)")
+_TESTS = frozenset({"test", "tests"})
 _DEPENDS = re.compile(r"<(?:exec_|run_|build_)?depend\b[^>]*>\s*([\w-]+)\s*<")
 _SOUNDS = re.compile(r"description|support|urdf|model|robot")
 _NAMES = ("name", "robot_name", "robot_model", "robot", "model", "robot_type", "arm_id")
@@ -247,7 +251,7 @@ def _is_urdf(path: Path) -> bool:
 
 def _files_below(folder: Path, wanted: Callable[[Path], bool]) -> list[Path]:
     found = (p for pattern in ("*.srdf", "*.urdf", "*.xacro") for p in folder.rglob(pattern))
-    return sorted(p for p in found if wanted(p) and p.is_file())
+    return sorted(p for p in found if wanted(p) and p.is_file() and _TESTS.isdisjoint(p.relative_to(folder).parts))
 
 
 def _assistant(folder: Path) -> Mapping[str, Mapping[str, object]]:
