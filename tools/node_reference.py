@@ -93,9 +93,7 @@ def _node(alike: Sequence[Manifest], shared: Sequence[_Port], usual: tuple[str, 
     """Return the section of nodes that differ by their names only."""
     manifest, ports = alike[0], list(_ports(alike[0]))
     own = [port for port in ports if port not in shared]
-    known = {
-        side: ", ".join(f"`{port.name}`" for port in ports if port in shared and port.side == side) for side in _SIDES
-    }
+    known = {side: _listed([p.name for p in ports if p in shared and p.side == side]) for side in _SIDES}
     ends = _ends(manifest)
     codes = [f"`{code}`" for code in manifest.codes if code not in _EVERYWHERE]
     lines = [
@@ -108,6 +106,13 @@ def _node(alike: Sequence[Manifest], shared: Sequence[_Port], usual: tuple[str, 
     title = ", ".join([manifest.id, *(each.id.split("/")[1] for each in alike[1:])])
     tail = f"\n{' '.join(lines)}\n" if lines else ""
     return f"\n### {title}\n\n{manifest.doc}\n{_table(own) if own else ''}{tail}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names as code, those of the inputs `a` to `h` as a range."""
+    if names[:3] == ["a", "b", "c"]:
+        return f"`a` … `{names[-1]}`"
+    return ", ".join(f"`{name}`" for name in names)
 
 
 def _ends(manifest: Manifest) -> tuple[str, ...]:

@@ -134,8 +134,8 @@ _HEAD = """# {title}
 {about}
 
 `grip: 1` (or `campaign: 1`) is the version of the format and is required; `doc`, a sentence for people, may stand
-almost anywhere. `name → X` is a mapping with an X for each name; a key without a default and not required is left out
-where it isn't needed.
+almost anywhere. `name → X` is a mapping with an X for each name, `= X` is a default. A key without one may be left out
+unless it is required.
 """
 _TITLES: Mapping[Mapped, str] = {
     Mount: "Sensor mount",
@@ -156,7 +156,6 @@ _PATTERNS = {
     get_args(CodePath)[1].pattern: "import path",
 }
 _PLURALS = re.compile(r"^(integer|number|text|name|ROS name|import path)(?= |$)")
-_UNIT = re.compile(r" ?\[([^\]`]+)\](?!\()")
 
 
 def described(model: type[BaseModel]) -> type[BaseModel]:
@@ -211,7 +210,9 @@ class _Reference:
             root = file.model
             parts.append(self._root(root) if issubclass(root, RootModel) else self._table(root))
             for model, where in places.items():
-                parts.append(f"\n### {self._home[model][1]}\n\n{_listed(where)}: {_told(model)}\n{self._table(model)}")
+                told = f" {_told(model)}"
+                told = "" if f"|{told} |" in "".join(parts) else f":{told}"  # by the key that leads here
+                parts.append(f"\n### {self._home[model][1]}\n\n{_listed(where)}{told}\n{self._table(model)}")
         return "".join(parts)
 
     def _below(self, file: FileKind) -> dict[Mapped, list[str]]:
@@ -241,13 +242,11 @@ class _Reference:
             if sum(row in known for row in rows) > 1:
                 also = f"\nAlso the keys of {self.words(base)}.\n"
                 rows = [row for row in rows if row not in known]
-        rows = [["key", "type", "default", "unit", "meaning"], ["---"] * 5, *rows]
-        if not any(row[3] for row in rows[2:]):
-            rows = [row[:3] + row[4:] for row in rows]
+        rows = [["key", "type", "meaning"], ["---"] * 3, *rows]
         return "".join(f"\n| {' | '.join(row)} |" for row in rows) + f"\n{also}"
 
     def _rows(self, model: Mapped) -> list[list[str]]:
-        """Return what is told of each key: itself, its type, default, unit and meaning."""
+        """Return what is told of each key: itself, its type with the default, and its meaning."""
         attributes, rows = _attributes(model), []
         for key, field in _keys(model):
             if key in _COMMON:
@@ -256,10 +255,10 @@ class _Reference:
             doc = field.description or attributes.get(key) or (_told(parts[0]) if parts else "")
             if not doc:
                 raise ValueError(f"{model.__name__}.{key} has no docstring")
-            unit, meaning = _unit(_flat(doc))
             type_ = self.words(_written(_ways(model, key, field), field.annotation), field.metadata)
-            default = "required" if field.is_required() else _shown(field.get_default(call_default_factory=True))
-            rows.append([f"`{key}`", type_, default, unit, meaning.replace("|", r"\|")])
+            default = "" if field.is_required() else _shown(field.get_default(call_default_factory=True))
+            type_ += ", required" if field.is_required() else f" = {default}" if default else ""
+            rows.append([f"`{key}`", type_, _flat(doc).replace("|", r"\|")])
         return rows
 
     def words(self, annotation: Any, metadata: Iterable[Any] = ()) -> str:
@@ -383,14 +382,6 @@ def _attributes(model: Mapped) -> dict[str, str]:
     """Return what a dataclass's docstring says of its fields."""
     said = (model.__doc__ or "").partition("\n    Attributes:")[2]
     return {key: doc[:1].upper() + doc[1:] for key, doc in re.findall(r"^ {8}(\w+): (.*)$", said, re.MULTILINE)}
-
-
-def _unit(doc: str) -> tuple[str, str]:
-    """Return the unit that a text names in brackets, and the text without it."""
-    pieces = doc.split("`")  # every other one is code
-    units = _UNIT.findall("".join(pieces[::2]))
-    pieces[::2] = [_UNIT.sub("", piece) for piece in pieces[::2]]
-    return (units[0], "`".join(pieces)) if len(units) == 1 else ("", doc)
 
 
 def _limits(metadata: Iterable[Any], *names: str) -> dict[str, Any]:

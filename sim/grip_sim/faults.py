@@ -64,7 +64,7 @@ class Fault(Settings):
     """Something that goes wrong at a time, or when a node begins."""
 
     fault: FaultKind
-    """`drop`: a hand lets go of an object. `push`: an object is struck. `stuck`: a joint doesn't move.
+    """`drop`: an object passes through hands. `push`: an object is struck. `stuck`: a joint doesn't move.
     `limit`: a joint meets a stop. `abort`: a controller gives its motions up. `blackout`, `freeze`, `late`: a camera
     sees nothing, repeats its last frame, shows what was. `light`: the light changes. `component_death`,
     `component_hang`: a component's server is killed, or doesn't go on."""

@@ -49,8 +49,7 @@ class NoiseSpec:
         nearest: nothing is measured nearer than this [m].
         colour: standard deviation of each colour, of 255.
         latency: the frame shows the world as it was so long ago, in simulated time [s].
-        misplaced: standard deviation of where a frame says that it was taken, along each axis, as inexact kinematics
-            and mounts have it; drawn anew for each frame [m].
+        misplaced: standard deviation of where a frame says that it was taken, along each axis, anew for each frame [m].
         misturned: likewise of how the camera was turned, about each axis [rad].
     """
 

@@ -66,26 +66,26 @@ class ProjectFile(Settings):
     processes: dict[Key, ProcessConfig] = {}
     """What `grip launch` runs: drivers, a vendor's launch file, anything."""
     message_server: bool = False
-    """Whether named messages are those of a running server (`grip messages serve`), not of the run's own process."""
+    """Whether named messages are those of a running server (`grip messages serve`) instead of the run's own."""
     components: str | None = "components"
     """Folder of external components, each with a `component.yaml`."""
     nodes: str | None = "nodes"
     """Folder of the project's own nodes: decorated Python, or leaves with a `manifest.yaml`."""
     code: tuple[CodePath, ...] = ()
-    """What `foreign` nodes of its tasks may import when they run, besides py_trees' own behaviours: `package.module`
-    for the behaviours in it, `package.module:name` for one of them, or for a function that makes one."""
+    """What `foreign` nodes may import besides py_trees' own behaviours: `package.module` for all behaviours in it,
+    `package.module:name` for one, or for a function that makes one."""
     world: str | None = None
     """The world that is simulated."""
     scene: str | None = None
-    """A `.scene` file of what belongs to the room besides the world's own."""
+    """A `.scene` file of what else is in the room."""
     goals: dict[str, str] = {}
-    """Task -> what the referee of a simulated world has to find when it has succeeded, such as `placed == objects`."""
+    """Task -> what the referee must find after a success, such as `placed == objects`."""
     journal_limit: ByteSize = ByteSize(20 * 10**9)
-    """How large the journal may become, such as `500 MB`: beyond that the oldest runs that have ended are removed."""
+    """Largest size of the journal, such as `500 MB`: beyond it the oldest runs that have ended are removed."""
     qos: dict[RosName, Qos] = {}
     """Topic -> its quality of service, wherever it is named: sensors, cameras, controllers, nodes of `ros/`."""
     simulated_time: bool = False
-    """Whether the time of a run is that of the topic `/clock`, from a simulator that isn't ours."""
+    """Whether a run's time is that of the topic `/clock`, from another simulator."""
 
 
 @dataclass(frozen=True)

@@ -115,7 +115,7 @@ class Arm(Protocol):
 
         Args:
             start: joint positions to begin from; the measured ones by default.
-            free: what of a pose doesn't matter: `none`, a turn about the grasp frame's `x`, `y` or `z`, or its whole
+            free: part of a pose that is free: `none`, the turn about the grasp frame's `x`, `y` or `z`, or the whole
                 `orientation`.
             constraint: what the grasp frame keeps to on the whole way, both ends included.
 

@@ -95,13 +95,11 @@ class SensorConfig(Settings):
 
 
 _VIEW = {
-    "max_hidden": Parameter(
-        type="float", default=0.1, doc="share of the view that the robot may hide, 0..1; 1 for whatever it hides"
-    ),
+    "max_hidden": Parameter(type="float", default=0.1, doc="share of the view that the robot may hide, 0..1"),
     "region": Parameter(
         type="list[float]",
         default=[],
-        doc="what counts of the view: x from, x to, y from, y to [m]; empty for all of it",
+        doc="part of the view that counts: x from, x to, y from, y to [m]; empty for all",
     ),
     "table": Parameter(type="float", default=0.0, doc="height of the region in world [m]"),
 }
@@ -120,7 +118,7 @@ def sensor_manifest(name: str, sensor: SensorConfig | None = None) -> Manifest:
         id=f"sensor/{name}",
         doc=(
             f"Take one RGB-D frame with the sensor `{name}`. Fails with `view_blocked` when the robot hides too much of"
-            " the view, as its joints and its description tell."
+            " the view."
         ),
         implementation="grip_bt.nodes.perception:Capture",
         parameters=FrozenDict(_VIEW),
