@@ -64,10 +64,10 @@ class Fault(Settings):
     """Something that goes wrong at a time, or when a node begins."""
 
     fault: FaultKind
-    """`drop`: an object passes through hands. `push`: an object is struck. `stuck`: a joint doesn't move.
-    `limit`: a joint meets a stop. `abort`: a controller gives its motions up. `blackout`, `freeze`, `late`: a camera
-    sees nothing, repeats its last frame, shows what was. `light`: the light changes. `component_death`,
-    `component_hang`: a component's server is killed, or doesn't go on."""
+    """`drop`: an object passes through hands. `push`: its velocity changes. `stuck`: a joint stays where it is, and its
+    motion is aborted. `limit`: it meets a stop. `abort`: a controller gives up. `blackout`, `freeze`, `late`: a camera
+    sees nothing, repeats its last frame with new stamps, shows old frames with their stamps. `light`: colours are
+    multiplied. `component_death`, `component_hang`: a component's server is killed, or suspended."""
     of: str = ""
     """Object, joint, group, camera or component; without it what is held, every arm and hand, or every camera."""
     node: str = ""
