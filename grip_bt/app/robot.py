@@ -17,6 +17,7 @@ from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening, Progress, RobotKind, silent
 from grip_bt.app.world import World, in_world
 from grip_bt.base.errors import GripError, NodeError, NodeFailedError, UnknownNameError
+from grip_bt.base.files import Closing
 from grip_bt.base.ports import Arm, Camera, Hand, Scene
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.runtime import BehaviourTree, TreeRun
@@ -43,7 +44,7 @@ class Done(Mapping[str, Any]):
         return len(self.outputs)
 
 
-class Robot:
+class Robot(Closing):
     """A robot that is ready to be used, until its `close` or the end of a `with` block.
 
     `robot.do("arm/move_to", arm="right", state="home")` runs a node to its end. `arm`, `hand`, `camera` and `scene` are
@@ -151,12 +152,6 @@ class Robot:
     def close(self) -> None:
         """Stop everything that was started."""
         self._stack.close()
-
-    def __enter__(self) -> Robot:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def _is_input(manifest: Manifest, name: str, value: object) -> bool:

@@ -15,9 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TextIO
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.files import Closing
 from grip_bt.task.catalog.component_file import ProcessConfig, Ready
 
-from .process import Process, child_environment, command_of
+from .process import Process, child_environment, command_of, stop_all
 
 if TYPE_CHECKING:
     from .client.connection import Connection
@@ -79,7 +80,7 @@ Listener = Callable[[str, State, str], None]
 """Listener `(name, state, detail)`."""
 
 
-class ProcessGroup:
+class ProcessGroup(Closing):
     """Runs processes together.
 
     Args:
@@ -118,7 +119,7 @@ class ProcessGroup:
                 self._begin(running)
                 self._until_ready(running)
         except BaseException:
-            self.stop()
+            self.close()
             raise
 
     def run(self) -> str:
@@ -138,17 +139,13 @@ class ProcessGroup:
                     return failed[0].why if failed else ""
             return ""
         finally:
-            self.stop()
+            self.close()
 
-    def stop(self) -> None:
+    def close(self) -> None:
         """End all processes together, with all that they have started; at most 3 s."""
         self._stopping.set()
         with self._lock:
-            processes = [r.process for r in self._all.values() if r.process is not None]
-            for process in processes:
-                process.ask_to_stop()
-            for process in processes:
-                process.stop()
+            stop_all([r.process for r in self._all.values() if r.process is not None])
             for running in self._all.values():
                 self._copy(running)
                 if running.state not in ("ended", "failed", "stopped", "waiting"):
@@ -158,12 +155,6 @@ class ProcessGroup:
     def ask_to_stop(self) -> None:
         """Have `run` come to its end; may be called from a signal handler."""
         self._stopping.set()
-
-    def __enter__(self) -> ProcessGroup:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
 
     # --- one process ---
 

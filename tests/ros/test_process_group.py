@@ -147,7 +147,7 @@ def test_all_end_at_once_whatever_they_do_against_it(tmp_path, mark):
     group = ProcessGroup(members, tmp_path / "logs")
     group.start()
     assert len(marked(mark)) >= 6
-    group.stop()
+    group.close()
     assert none_left(mark)  # after three seconds where the machine is idle
 
 
