@@ -14,7 +14,8 @@ from grip_bt.commanders.description import packages
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import build_robot, inspect_robot, load_robot
 from grip_bt.commanders.kinematics.collision import CollisionChecker
-from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.kinematics.fingertips import spans_of
+from grip_bt.commanders.kinematics.model import RobotModel, link_of
 from grip_bt.commanders.scene import PlanningScene
 
 WAYS = {
@@ -50,6 +51,27 @@ def test_an_arm_with_it_is_free_at_home_and_knows_where_grasps_are(name):
     flange = robot.end_effectors[0].parent_link
     way = placed(model, flange, home).actInv(model.grasp_pose(home, group="arm").position)
     assert way == pytest.approx([0, 0, WAYS[name]], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["panda", "ur5_robotiq", "xarm7_gripper"])
+def test_what_reaches_in_as_deep_as_is_told_meets_the_tips_alone(name):
+    robot = load_robot(name)
+    model, states = RobotModel(robot), robot.named_states["hand"]
+    frame = model.grasp_frame_of("arm")
+    tips = {links[-1] for links in robot.finger_links.values()}
+    opened, closed = states["open"], states["closed"].position
+    postures = [JointState(opened.names, opened.position + part * (closed - opened.position)) for part in (0.2, 0.5)]
+    for span in spans_of(model, "hand", frame, postures):
+        palm = placed(model, frame, span.posture)
+        axes = np.stack([span.axis, np.cross(span.inward, span.axis), span.inward], axis=1)
+        thing = palm * pin.SE3(axes, span.middle - span.depth / 2 * span.inward)
+        box = coal.Box(span.gap - 1e-3, 0.04, span.depth)
+        for shape in model.geometry.geometryObjects:
+            link = link_of(model.model, shape)
+            if link in robot.hand_links and link not in tips:
+                there = model.data.oMi[shape.parentJoint] * shape.placement
+                away = coal.distance(box, thing, shape.geometry, there, coal.DistanceRequest(), coal.DistanceResult())
+                assert away > 0, f"{link} would touch what is {1000 * span.gap:.0f} mm wide"
 
 
 def test_its_sizes_are_arguments():

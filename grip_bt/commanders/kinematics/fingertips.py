@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import coal
@@ -130,8 +130,9 @@ class _Tips:
 
 _OPPOSED = 0.02
 """Fingers whose tips are so much further from the thumb's than the nearest don't oppose it [m]."""
-_PROBE, _SLACK, _STEP, _DEEPEST = 0.012, 0.005, 0.004, 0.12
-"""A bar is pushed in between the fingers: its thickness, its distance from each tip, its steps, and its way [m]."""
+_PROBE, _SLACK, _STEP, _DEEPEST = 0.012, (-0.001, 0.005), 0.004, 0.12
+"""A bar is pushed in between the fingers: its thickness, how much thinner it is than the gap on each side, for links
+that are to stay clear of things and for tips, which may be round, its steps, and its way [m]."""
 _Placed = tuple[coal.CollisionGeometry, pin.SE3]
 
 
@@ -163,7 +164,7 @@ def spans_of(model: RobotModel, group: str, frame: str, postures: Sequence[Joint
                 points.append(corners(shape) @ body.rotation.T + body.translation)
         gap, middle, axis = _between(placed, fingers, thumb)
         span = Span(posture, gap, middle, axis, 0.0, np.concatenate(points))
-        found.append(replace(span, depth=_depth(span, placed)))
+        found.append(replace(span, depth=_depth(span, placed, {thumb, *fingers})))
     return found
 
 
@@ -187,12 +188,12 @@ def _nearest(one: _Placed, other: _Placed) -> tuple[float, Array, Array]:
     return float(distance), np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2())
 
 
-def _depth(span: Span, placed: Mapping[str, Sequence[_Placed]]) -> float:
-    bar = coal.Box(max(span.gap - 2 * _SLACK, _PROBE), _PROBE, _PROBE)
+def _depth(span: Span, placed: Mapping[str, Sequence[_Placed]], tips: Collection[str]) -> float:
+    bars = [coal.Box(max(span.gap - 2 * slack, _PROBE), _PROBE, _PROBE) for slack in _SLACK]
     turned = np.stack([span.axis, np.cross(span.inward, span.axis), span.inward], axis=1)
-    around = [each for shapes in placed.values() for each in shapes]
+    around = [(bars[name in tips], each) for name, shapes in placed.items() for each in shapes]
     for deep in np.arange(_STEP, _DEEPEST, _STEP):
         there = pin.SE3(turned, span.middle - deep * span.inward)
-        if any(_nearest((bar, there), each)[0] < 0 for each in around):
+        if any(_nearest((bar, there), each)[0] < 0 for bar, each in around):
             return float(deep - _STEP + _PROBE / 2)
     return _DEEPEST
