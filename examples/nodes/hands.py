@@ -1,21 +1,24 @@
 """Nodes that propose grasps for whatever hand there is, and that shake what was taken; for `tasks/lift_and_shake.yaml`.
 
 All that is known of the hand are its spans: how wide, where and how deep its fingers reach around a thing. A pinch
-takes a thing between the tips, from above, the hand turned so that they close level across it. A wrap takes an upright
-thing from the side: palm to it, fingers around it; only a hand of more than two fingers does that.
+takes a thing between the tips, the hand turned so that they close level across it: from above, and a gripper also from
+the side and aslant, which takes what is high nearer to its middle. A wrap takes an upright thing from the side: palm to
+it, fingers around it; only a hand of more than two fingers does that.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 import grip_bt as grip
 from grip_bt.base.arrays import Array
-from grip_bt.base.failures import NoGraspError
-from grip_bt.base.values import Grasp, JointState, Pose, Trajectory
+from grip_bt.base.failures import NoGraspError, NoIkError
+from grip_bt.base.ports import Arm
+from grip_bt.base.values import Grasp, JointState, Plan, PointCloud, Pose, Trajectory
 from grip_bt.base.values.joints import Span
 from grip_bt.nodes.objects import SEEN
 
@@ -37,7 +40,23 @@ FILLED = 0.7
 """What is thinner than this part of the hollow between palm and closed fingers stands in there untouched."""
 TURNS = np.radians((0, 15, -15, 30, -30))
 """From a face of a thing's box; what is round has no face."""
+SLOPES = np.radians((10, 45))
+"""How steeply a gripper comes to a thing from the side [rad]."""
+ASIDE = 0.15
+"""What a grasp from the side has to be better by: the arm has less room there."""
 UP = np.array([0.0, 0.0, 1.0])
+
+
+CELL, FINGER = 0.004, 0.01
+"""What was seen counts once in each square of this edge; and half of how broad a finger is [m]."""
+
+
+class Local(NamedTuple):
+    """A thing where fingers close on it: the middle between them, x and y, its width there, and its height [m]."""
+
+    middle: Array
+    width: float
+    top: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,10 +66,12 @@ class Thing:
     Attributes:
         size: edge lengths, shape (3,) [m].
         pose: of its middle, in world.
+        seen: points of it in world, from above, shape (n, 3) [m]; it is taken for its box without them.
     """
 
     size: Array
     pose: Pose
+    seen: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @property
     def floor(self) -> float:
@@ -58,17 +79,53 @@ class Thing:
         return float(self.pose.position[2] - self.size[2] / 2)
 
     def width(self, direction: Array) -> float:
-        """Return its extent along a horizontal unit vector [m]."""
-        return float(np.abs(self.pose.rotation().T @ direction) @ (self.size * [1, 1, 0]))
+        """Return its extent along a unit vector [m]."""
+        return float(np.abs(self.pose.rotation().T @ direction) @ self.size)
+
+    def heavy(self) -> Array:
+        """Return x and y of its centre of mass, if it is filled evenly below what was seen [m]."""
+        if not len(self.seen):
+            return self.pose.position[:2]
+        highest = self.seen[np.argsort(-self.seen[:, 2], kind="stable")]
+        _, first = np.unique(np.floor(highest[:, :2] / CELL), axis=0, return_index=True)
+        return np.asarray(np.average(highest[first, :2], axis=0, weights=highest[first, 2] - self.floor))
+
+    def local(self, spot: Array, across: Array) -> Local:
+        """Return what fingers would meet that close along a horizontal unit vector at a spot, x and y [m]."""
+        along = np.cross(UP, across)[:2]
+        there = self.seen[np.abs((self.seen[:, :2] - spot) @ along) < FINGER]
+        if len(there) < 3:
+            return Local(spot, self.width(across), float(self.size[2]))
+        ways = (there[:, :2] - spot) @ across[:2]
+        middle = spot + (ways.max() + ways.min()) / 2 * across[:2]
+        return Local(middle, float(np.ptp(ways)) + CELL / 2, float(there[:, 2].max()) - self.floor)
+
+
+def _seen_in(cloud: PointCloud | None, size: Array, pose: Pose) -> Array:
+    if cloud is None:
+        return np.zeros((0, 3))
+    points: Array = np.asarray(cloud.points, float)
+    inside = np.abs(pose.inverse().apply(points)) <= size / 2 + [CELL, CELL, CELL]
+    return np.asarray(points[inside.all(axis=1) & (points[:, 2] > pose.position[2] - size[2] / 2 + CELL)])
 
 
 @grip.leaf("hands/propose", outputs={"grasps": list[Grasp]}, codes=("no_grasp",))
 def propose(
-    context: grip.Context, *, hand: str = "", approach: float = 0.12, lift: float = 0.2, torque_limit: float = 0.0
+    context: grip.Context,
+    cloud: PointCloud | None = None,
+    *,
+    hand: str = "",
+    approach: float = 0.12,
+    lift: float = 0.2,
+    torque_limit: float = 0.0,
 ) -> list[Grasp]:
-    """Propose grasps of everything that the scene has as seen, the best first; no torque limit is the hand's own."""
+    """Propose grasps of everything that the scene has as seen, the best first; no torque limit is the hand's own.
+
+    With the cloud from above, in world, things are taken where they are heavy, as wide as they are there.
+    """
     scene, asked = context.scene(), context.hand(hand)
-    things = [Thing(*scene.box(name)) for name in scene.names() if name.startswith(SEEN)]
+    boxes = [scene.box(name) for name in scene.names() if name.startswith(SEEN)]
+    things = [Thing(*box, _seen_in(cloud, *box)) for box in boxes]
     spans, limits = asked.spans(), {"approach": approach, "lift": lift, "torque_limit": torque_limit}
     found = [grasp for thing in things for grasp in proposals(thing, spans, len(asked.fingers()) > 2, limits)]
     if not found:
@@ -114,43 +171,60 @@ Way = tuple[Pose, Array, Span, JointState | None, float, float]
 
 
 def _pinches(thing: Thing, spans: Sequence[Span], thumb: bool) -> Iterator[Way]:
-    highest, top = HIGHEST if thumb else 1.0, float(thing.size[2])
     for quarter in range(4):
         for turn in TURNS:
             across = thing.pose.rotation() @ [np.cos(quarter * np.pi / 2 + turn), np.sin(quarter * np.pi / 2 + turn), 0]
-            width = thing.width(across)
-            opened = [span for span in spans if span.gap >= width + 2 * ROOM]
-            if not opened:
-                continue
-            opened, held, squeezed = opened[-1], *(_near(spans, gap) for gap in (width, width - SQUEEZE))
-            closed = squeezed.posture if thumb else None  # closed all the way, three fingers push a thumb aside
-            rotation = _turned(held, across)
-            lowest = max(_below(span, held) for span in (opened, held))
-            height = max(top / 2, lowest + GAP, top - held.depth + GAP)
-            if height - lowest > top - HOLD or height > highest * top:
-                continue
-            foot = np.array([*thing.pose.position[:2], thing.floor + height])
-            length = thing.width(np.cross(UP, across))
-            for along in (0.0,) if length < 0.08 else (0.0, 0.025, -0.025):
-                spot = foot + along * np.cross(UP, across)
-                pose = _pose(rotation, spot - rotation @ held.middle)
-                deep = (top - height) / top
-                yield pose, -UP, opened, closed, width, 1.0 + deep - 10 * abs(along) - 4 * width - 0.3 * abs(turn)
+            along = np.cross(UP, across)
+            for shift in (0.0,) if thing.width(along) < 0.08 else (0.0, 0.025, -0.025):
+                local = thing.local(thing.heavy() + shift * along[:2], across)
+                for found in _closing(thing, local, across, spans, thumb, [-UP]):
+                    yield _worse(found, 10 * abs(shift) + 0.3 * abs(turn))
+            if not thumb:
+                ways = [np.cos(slope) * side - np.sin(slope) * UP for slope in SLOPES for side in (along, -along)]
+                whole = Local(thing.pose.position[:2], thing.width(across), float(thing.size[2]))
+                for found in _closing(thing, whole, across, spans, thumb, ways):
+                    yield _worse(found, 0.3 * abs(turn))
+
+
+def _worse(way: Way, by: float) -> Way:
+    return *way[:-1], way[-1] - by
+
+
+def _closing(
+    thing: Thing, local: Local, across: Array, spans: Sequence[Span], thumb: bool, approaches: Sequence[Array]
+) -> Iterator[Way]:
+    """Yield how the tips of a hand close along a horizontal unit vector on a thing, coming as `approaches` say."""
+    opened = [span for span in spans if span.gap >= local.width + 2 * ROOM]
+    if not opened:
+        return
+    held, squeezed = (_near(spans, gap) for gap in (local.width, local.width - SQUEEZE))
+    closed = squeezed.posture if thumb else None  # closed all the way, three fingers push a thumb aside
+    middle, top = np.array([*local.middle, thing.pose.position[2]]), float(thing.size[2])
+    for inward in approaches:
+        away = 1 - float(inward[:2] @ middle[:2]) / float(np.linalg.norm(middle[:2]))
+        above = inward[2] < -0.99
+        if away > 1 and not above:
+            continue  # the hand would come towards the robot
+        rotation = _turned(held, across, inward)
+        reach = [float(-((span.corners - held.middle) @ rotation.T)[:, 2].min()) for span in (opened[-1], held)]
+        deep = max(0.0, thing.width(inward) / 2 - held.depth + GAP)
+        height = max(local.top / 2, float(middle[2] - deep * inward[2]) - thing.floor, max(reach) + GAP)
+        if height - max(reach) * above > local.top - HOLD or height > local.top * (HIGHEST if thumb else 1.0):
+            continue
+        foot = middle - deep * inward
+        foot[2] = thing.floor + height
+        quality = 1.5 - abs(height - top / 2) / top - (0.0 if above else ASIDE * (1 + away)) - 4 * local.width
+        yield _pose(rotation, foot - rotation @ held.middle), inward, opened[-1], closed, local.width, quality
 
 
 def _near(spans: Sequence[Span], gap: float) -> Span:
     return min(spans, key=lambda span: abs(span.gap - gap))
 
 
-def _below(span: Span, held: Span) -> float:
-    """Return how far a hand reaches below the middle of `held`, when it is turned as that is [m]."""
-    return float(((span.corners - held.middle) @ held.inward).max())
-
-
-def _turned(span: Span, across: Array) -> Array:
-    """Return the hand's rotation with which it looks down and the tips close along a horizontal unit vector."""
+def _turned(span: Span, across: Array, inward: Array) -> Array:
+    """Return the hand's rotation with which it points along `inward`, and the tips close along a unit vector."""
     own = np.stack([span.axis, np.cross(span.inward, span.axis), span.inward], axis=1)
-    world = np.stack([across, np.cross(-UP, across), -UP], axis=1)
+    world = np.stack([across, np.cross(inward, across), inward], axis=1)
     return np.asarray(world @ own.T)
 
 
@@ -183,6 +257,8 @@ def _wraps(thing: Thing, spans: Sequence[Span]) -> Iterator[Way]:
 
 SAMPLES = 100
 """Points of a shake per second."""
+ASTEP = 0.06
+"""How far an arm goes to where it has more room [m]."""
 DEGREE = 4
 """Of the polynomials that stand for the joints along some centimetres."""
 
@@ -207,11 +283,26 @@ async def shake(
     """
     mover = context.arm(arm)
     for offset in amplitude * np.eye(3):
-        there = mover.grasp_pose()
-        forth = await mover.plan_straight([there.moved(offset)])
-        back = await mover.plan_straight([there.moved(-offset)])
+        forth, back = await _sides(mover, offset)
         way = swing(back.trajectory, forth.trajectory, 1 / frequency, seconds)
         await mover.execute(await mover.plan_from_trajectory(way, slow_down=slow_down))
+
+
+async def _sides(mover: Arm, offset: Array) -> tuple[Plan, Plan]:
+    """Plan to both sides; where one is out of reach, go before where the arm may have more room."""
+    outward = mover.grasp_pose().position * [1, 1, 0]
+    outward /= np.linalg.norm(outward)
+    unreached: NoIkError | None = None
+    for step in (0 * UP, -ASTEP * UP, -ASTEP * outward, 2 * ASTEP * outward):
+        try:
+            there = mover.grasp_pose().moved(step)
+            if step.any():
+                await mover.execute(await mover.plan_straight([there]))
+            return await mover.plan_straight([there.moved(offset)]), await mover.plan_straight([there.moved(-offset)])
+        except NoIkError as error:
+            unreached = error
+    assert unreached is not None
+    raise unreached
 
 
 def swing(back: Trajectory, forth: Trajectory, period: float, seconds: float) -> Trajectory:

@@ -103,13 +103,76 @@ def test_what_is_too_wide_for_a_hand_gets_no_grasp(robot):
 
 
 def test_only_a_hand_with_a_thumb_wraps_and_only_what_fills_it():
-    def sideways(robot, what):
-        return [g for g in proposed(robot, what) if abs(g.pose.rotation()[2, 2]) < 0.1]
+    def sideways(what):
+        return [g for g in proposed("panda_allegro", what) if abs(g.pose.rotation()[2, 2]) < 0.1]
 
-    bottle, pen = thing(0.065, 0.065, 0.18), thing(0.02, 0.02, 0.18)
-    assert sideways("panda_allegro", bottle)
-    assert not sideways("panda_allegro", pen)
-    assert not sideways("panda", bottle)
+    assert sideways(thing(0.065, 0.065, 0.18))
+    assert not sideways(thing(0.02, 0.02, 0.18))
+
+
+GRIPPERS = ("panda", "ur5_robotiq", "xarm7_gripper")
+
+
+@pytest.mark.parametrize("robot", GRIPPERS)
+def test_a_gripper_takes_what_is_high_from_the_side_and_what_is_low_from_above(robot):
+    def best(what):
+        grasp = max(proposed(robot, what), key=lambda grasp: grasp.quality)
+        approach = grasp.pose.position - grasp.pre_grasp.position
+        return grasp, approach / np.linalg.norm(approach)
+
+    grasp, approach = best(thing(0.06, 0.06, 0.2))
+    assert approach[2] > -0.8
+    assert approach[0] > 0, "it would come towards the robot"
+    assert best(thing(0.06, 0.06, 0.05))[1][2] == pytest.approx(-1)
+
+
+@pytest.mark.parametrize("robot", GRIPPERS)
+def test_what_was_seen_is_taken_where_it_is_heavy_and_as_narrow_as_it_is_there(robot):
+    """A hammer: a thin handle along x, and a head at its end, from which the cloud sees the tops."""
+
+    def top(x, y, z):
+        grid = np.meshgrid(np.arange(*x, 0.002), np.arange(*y, 0.002))
+        return np.column_stack([*(each.ravel() for each in grid), np.full(grid[0].size, z)])
+
+    seen = np.concatenate([top((0.4, 0.57), (0.09, 0.11), 0.02), top((0.57, 0.6), (0.03, 0.17), 0.04)])
+    hammer = nodes.Thing(np.array([0.2, 0.14, 0.04]), Pose([0.5, 0.1, 0.02]), seen)
+    assert hammer.heavy() == pytest.approx([0.55, 0.1], abs=0.02)
+    found = max(proposed(robot, hammer), key=lambda grasp: grasp.quality)
+    assert found.width < 0.04
+    assert found.pose.position[:2] == pytest.approx(hammer.heavy(), abs=0.04)
+    assert not proposed(robot, nodes.Thing(hammer.size, hammer.pose)), "its box is too wide for the gripper"
+
+
+class Reaching:
+    """An arm that reaches no further than it says."""
+
+    def __init__(self, highest):
+        self.there, self.highest = Pose([0.5, 0.0, 0.3]), highest
+
+    def grasp_pose(self):
+        return self.there
+
+    async def plan_straight(self, goals):
+        if goals[0].position[2] > self.highest:
+            raise nodes.NoIkError("out of reach")
+        return goals[0]
+
+    async def execute(self, plan):
+        self.there = plan
+
+
+@pytest.mark.parametrize("highest", [0.3, 0.2])
+def test_a_shake_begins_where_both_sides_are_in_reach(highest):
+    arm = Reaching(highest)
+    shaking = nodes._sides(arm, 0.025 * nodes.UP)
+    if highest == 0.3:
+        with pytest.raises(StopIteration) as ended:
+            shaking.send(None)
+        assert [pose.position[2] for pose in ended.value.value] == pytest.approx([0.265, 0.215])
+        assert arm.there.position == pytest.approx([0.5, 0, 0.24])
+    else:
+        with pytest.raises(nodes.NoIkError):
+            shaking.send(None)
 
 
 def test_a_hand_whose_geometry_nobody_knows_says_so():
