@@ -1,12 +1,14 @@
 """Which hands take which objects, by one task file: grasped, lifted, and held through a shake, by the referee's word.
 
-    python benchmarks/hands_objects.py --out rows.jsonl [--hands panda ...] [--objects mug ...] [--poses 5] [--first N]
+    python benchmarks/hands_objects.py -o rows.jsonl [--hands panda ...] [--objects mug ...] [--poses 5] [--first N]
+                                       [--workers N]
     python benchmarks/hands_objects.py --report rows.jsonl
 
-A trial draws where one object of the library stands in front of the robot and how it is turned, and runs
-`examples/tasks/lift_and_shake.yaml`. The simulator and the planner stay up for all trials of a hand: objects wait on
-the floor behind the robot, and the state of the beginning is put back. Rows are appended to the file as trials end; a
-trial that is in there isn't run again. An object that the proposer has no grasp for in any pose doesn't fit.
+A trial draws how one object of the library rests on the table in front of the robot, where, and how it is turned, and
+runs `examples/tasks/lift_and_shake.yaml`. It rests as it stands in the library at two seeds of five, at the others on
+any face that carries it, the larger the more often. The simulator and the planner stay up for all trials of a hand and
+an object, which waits on the floor behind the robot; the state of the beginning is put back. Rows are appended to the
+file as they come; a trial that is in there isn't run again. A pose for which the proposer has no grasp doesn't count.
 """
 
 from __future__ import annotations
@@ -17,25 +19,29 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import ExitStack
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
+from scipy.spatial import ConvexHull
 
 import grip_bt as grip
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.runs.execute import check_task
 from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import Pose
 from grip_bt.base.values.pose import quaternion_of
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.compilers import to_tree
 from grip_bt.runtime import Runner
-from grip_sim.objects import object_files
+from grip_sim.objects import load_object, object_file, object_files
 from grip_sim.shaking import MEASURE
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -62,9 +68,12 @@ fixtures: {table: {box: [0.70, 1.20, 0.10], at: [0.65, 0.0, -0.10]}}
 cameras:
   overhead: {at: [0.53, 0, 1.3], quaternion: [0, 0.7071067811865476, -0.7071067811865476, 0], field_of_view: 0.44}
 shake: {}
-objects:
+objects: {thing: {model: %s, at: [-2, 0, -0.75]}}
 """
-FLOOR = -0.75
+ABOVE = 0.001
+"""Of the table, when an object is put there [m]."""
+STANDING = 2
+"""So many seeds of five have an object as it stands in the library."""
 LOST, NO_FIT = "not held through the shake", "propose: no_grasp"
 Row = dict[str, Any]
 
@@ -99,21 +108,17 @@ class Stages(grip.Observer):
 
 
 class Bench:
-    """A robot in a world with objects behind it, of which one at a time is put before it."""
+    """A robot in a world with an object behind it, which is put before it again and again."""
 
-    def __init__(self, hand: str, things: Sequence[str], folder: Path, stack: ExitStack):
+    def __init__(self, hand: str, thing: str, folder: Path, stack: ExitStack):
         robot, acceleration = HANDS[hand]
-        self.hand, self.things = hand, list(things)
+        self.hand, self.thing = hand, thing
         (folder / "worlds").mkdir()
         (folder / "tasks").mkdir()
         said = yaml.safe_load(Path(ROBOTS[robot]).read_text())
         said["accelerations"] = {"hand": said.get("accelerations", {}).get("hand", 40.0), "arm": acceleration}
         (folder / "grip.yaml").write_text(PROJECT.format(robot=json.dumps(said), nodes=TASK.parents[1] / "nodes"))
-        rows = (
-            f"  {name}: {{model: {name}, at: [{-2 - 0.5 * (k // 6)}, {0.5 * (k % 6) - 1.25}, {FLOOR}]}}\n"
-            for k, name in enumerate(things)
-        )
-        (folder / "worlds" / "one.yaml").write_text(WORLD + "".join(rows))
+        (folder / "worlds" / "one.yaml").write_text(WORLD % thing)
         file = folder / "tasks" / TASK.name
         file.write_text(TASK.read_text())
         self._project, document, _ = check_task(file)
@@ -123,13 +128,15 @@ class Bench:
         self._parts = stack.enter_context(open_resources(opening, {each.id for each in leaves}, "sim"))
         self._simulation = self._parts.world
         self._start = self._simulation.kept()
+        self._points = np.concatenate(load_object(object_file(thing)).parts)
+        self._faces = resting_faces(thing)
 
-    def trial(self, thing: str, seed: int) -> Row:
+    def trial(self, seed: int) -> Row:
         """Run one and return its row."""
         began = time.monotonic()
-        x, y, yaw = self._put(thing, seed)
+        place = self._put(seed)
         hand, referee = self._parts.arms["arm"], self._simulation.referee
-        stages = Stages(lambda: hand.grasp_pose().inverse() @ referee.truth()[thing].pose)
+        stages = Stages(lambda: hand.grasp_pose().inverse() @ referee.truth()["thing"].pose)
         runner = Runner(to_tree(self._task, self._catalog), self._parts.context())
         runner.observe(stages)
         result = runner.run()
@@ -137,23 +144,24 @@ class Bench:
         held = referee.measures()[MEASURE] == 1
         stage = "" if held else stages.first or LOST
         grasp = result.data.get("grasp")
-        row = {"hand": self.hand, "object": thing, "seed": seed, "held": held, "stage": stage}
-        row |= {"message": str(result.failure or "")[:300], "place": [x, y, yaw], "moved": stages.moved()}
+        row = {"hand": self.hand, "object": self.thing, "seed": seed, "held": held, "stage": stage}
+        row |= {"message": str(result.failure or "")[:300], "place": place, "moved": stages.moved()}
         if grasp is not None:
             row["palm"] = [*grasp.pose.position.round(3).tolist(), *grasp.pose.quaternion.round(3).tolist()]
         row["attempts"] = stages.attempts
         return {**row, "simulated": round(result.duration, 1), "wall": round(time.monotonic() - began, 1)}
 
-    def _put(self, thing: str, seed: int) -> tuple[float, float, float]:
-        rng = np.random.default_rng([seed, *thing.encode()])
+    def _put(self, seed: int) -> list[float]:
+        """Put the object before the robot; return x, y [m], yaw [rad], and which way of it is down."""
+        rng = np.random.default_rng([seed, *self.thing.encode()])
         x, y, yaw = rng.uniform([0.48, -0.12, -np.pi], [0.60, 0.12, np.pi]).round(4).tolist()
-        poses = np.array(self._start["poses"])
-        here = poses[self.things.index(thing)]
-        lying = Pose(here[:3], here[3:])
-        there = Pose([x, y, lying.position[2] - FLOOR + 0.001], quaternion_of(0, 0, yaw)) @ Pose(
-            quaternion=lying.quaternion
-        )
-        here[:] = [*there.position, *there.quaternion]
+        down = DOWN
+        if seed % 5 >= STANDING:
+            areas = np.array([area for _, area in self._faces])
+            down = self._faces[rng.choice(len(areas), p=areas / areas.sum())][0]
+        turn = Pose(quaternion=quaternion_of(0, 0, yaw)) @ Pose.from_matrix(_laid(down))
+        height = ABOVE - float(turn.apply(self._points)[:, 2].min())
+        poses = np.array([[x, y, height, *turn.quaternion]])
         self._simulation.put_back({**self._start, "poses": poses})
         self._simulation.settle()
         scene = self._parts.scene
@@ -161,23 +169,62 @@ class Bench:
             if not scene.fixed(name):
                 scene.detach(name)
                 scene.remove(name)
-        return x, y, yaw
+        return [x, y, yaw, *down.round(3).tolist()]
+
+
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def resting_faces(thing: str) -> list[tuple[Array, float]]:
+    """Return the faces of an object's hull on which it can rest: the normal, in its frame, and the area [m^2]."""
+    model = load_object(object_file(thing))
+    hull = ConvexHull(np.concatenate(model.parts))
+    found: dict[bytes, list[Array]] = {}
+    normals = hull.equations[:, :3].round(2) + 0.0
+    for normal, corners in zip(normals, hull.points[hull.simplices], strict=True):
+        found.setdefault(normal.tobytes(), []).append(corners)
+    faces = []
+    for key, triangles in found.items():
+        normal = np.frombuffer(key) / np.linalg.norm(np.frombuffer(key))
+        area = sum(float(np.linalg.norm(np.cross(b - a, c - a))) / 2 for a, b, c in triangles)
+        below = model.centre + normal * (normal @ (triangles[0][0] - model.centre))
+        if any(_inside(below, triangle, normal) for triangle in triangles):
+            faces.append((normal, area))
+    return faces
+
+
+def _inside(point: Array, triangle: Array, normal: Array) -> bool:
+    sides = [np.cross(b - a, point - a) @ normal for a, b in zip(triangle, np.roll(triangle, -1, axis=0), strict=True)]
+    return min(sides) >= 0 or max(sides) <= 0
+
+
+def _laid(down: Array) -> Array:
+    """Return the turn that brings a direction of an object down, shape (4, 4)."""
+    side = np.cross(DOWN, down)
+    if np.linalg.norm(side) < 1e-6:
+        return np.diag([1.0, -down[2], -down[2], 1.0])
+    axis = side / np.linalg.norm(side)
+    frames = [np.stack([axis, way, np.cross(axis, way)], axis=1) for way in (down, DOWN)]
+    turn = np.eye(4)
+    turn[:3, :3] = frames[1] @ frames[0].T
+    return turn
 
 
 def report(rows: Iterable[Row]) -> None:
     """Print the table, what failed at which stage, and the share of each hand."""
     rows = list(rows)
     hands = [hand for hand in HANDS if any(row["hand"] == hand for row in rows)]
-    fits = {(row["hand"], row["object"]) for row in rows if row["stage"] != NO_FIT}
+    fit = [row for row in rows if row["stage"] != NO_FIT]
     print(f"| object | {' | '.join(hands)} |")
     print("|---" * (len(hands) + 1) + "|")
     for thing in sorted({row["object"] for row in rows}):
         cells = []
         for hand in hands:
-            mine = [row["held"] for row in rows if (row["hand"], row["object"]) == (hand, thing)]
-            cells.append("" if not mine else f"{sum(mine)}/{len(mine)}" if (hand, thing) in fits else "-")
+            tried = [row for row in rows if (row["hand"], row["object"]) == (hand, thing)]
+            mine = [row["held"] for row in tried if row["stage"] != NO_FIT]
+            cells.append(f"{sum(mine)}/{len(mine)}" if mine else "-" if tried else "")
         print(f"| {thing} | {' | '.join(cells)} |")
-    counted = {hand: [r for r in rows if r["hand"] == hand and (hand, r["object"]) in fits] for hand in hands}
+    counted = {hand: [row for row in fit if row["hand"] == hand] for hand in hands}
     shares = (
         f"{sum(r['held'] for r in c)}/{len(c)} = {sum(r['held'] for r in c) / max(1, len(c)):.0%}"
         for c in counted.values()
@@ -185,28 +232,16 @@ def report(rows: Iterable[Row]) -> None:
     print(f"| **held** | {' | '.join(shares)} |")
     for hand, mine in counted.items():
         why = Counter(row["stage"] for row in mine if not row["held"])
-        print(f"\n{hand}, {len({r['object'] for r in mine})} objects fit; what failed: ", end="")
+        poses, things = sum(row["hand"] == hand for row in rows), len({row["object"] for row in mine})
+        print(f"\n{hand}: a grasp in {len(mine)} of {poses} poses, of {things} objects; what failed: ", end="")
         print(", ".join(f"{number}x {stage}" for stage, number in why.most_common()) or "nothing")
 
 
-def run_hand(hand: str, args: argparse.Namespace, rows: list[Row], file: Path) -> None:
-    """Run what is missing of a hand, and append it to the rows and the file."""
-    mine = [row for row in rows if row["hand"] == hand]
-    done = {(row["object"], row["seed"]) for row in mine}
-    misfits = {row["object"] for row in mine if row["stage"] == NO_FIT}
-    wanted = [(thing, args.first + k) for k in range(args.poses) for thing in args.objects]
-    left = [(thing, seed) for thing, seed in wanted if (thing, seed) not in done]
-    if not left:
-        return
+def run_pair(hand: str, thing: str, seeds: Iterable[int]) -> list[Row]:
+    """Run the trials of a hand and an object, and return their rows."""
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
-        bench = Bench(hand, args.objects, Path(name), stack)
-        for thing, seed in left:
-            if thing not in misfits:
-                row = bench.trial(thing, seed)
-                misfits |= {thing} if row["stage"] == NO_FIT else set()
-                rows.append(row)
-                with file.open("a") as out:
-                    print(json.dumps(row), file=out)
+        bench = Bench(hand, thing, Path(name), stack)
+        return [bench.trial(seed) for seed in seeds]
 
 
 def main() -> int:
@@ -216,16 +251,25 @@ def main() -> int:
     parser.add_argument("--objects", nargs="+", default=sorted(object_files()))
     parser.add_argument("--poses", type=int, default=5)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--out", type=Path)
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("-o", "--out", type=Path)
     parser.add_argument("--report", type=Path)
     args = parser.parse_args()
     file = args.report or args.out
     if file is None:
-        parser.error("give --out FILE or --report FILE")
+        parser.error("give -o FILE or --report FILE")
     rows = [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
     if args.report is None:
-        for hand in args.hands:
-            run_hand(hand, args, rows, file)
+        done = {(row["hand"], row["object"], row["seed"]) for row in rows}
+        pairs = [(hand, thing) for thing in args.objects for hand in args.hands]
+        seeds = range(args.first, args.first + args.poses)
+        left = {pair: [seed for seed in seeds if (*pair, seed) not in done] for pair in pairs}
+        with ProcessPoolExecutor(args.workers, get_context("spawn")) as pool, file.open("a") as out:
+            running = [pool.submit(run_pair, *pair, missing) for pair, missing in left.items() if missing]
+            for ended in as_completed(running):
+                for row in ended.result():
+                    rows.append(row)
+                    print(json.dumps(row), file=out, flush=True)
     report(rows)
     return 0
 
