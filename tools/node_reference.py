@@ -1,7 +1,6 @@
-"""The reference page of the built-in nodes, made from their manifests.
+"""The reference pages of the built-in nodes, made from their manifests: those that one writes, and those of imports.
 
-`python tools/node_reference.py docs/nodes.md` writes it; a test fails when the page is older than
-the manifests.
+`python tools/node_reference.py docs` writes them; a test fails when a page is older than the manifests.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -19,14 +18,21 @@ from grip_bt.task.catalog.ros_config import sensor_manifest
 
 _HEAD = """# Nodes
 
-Every leaf that comes with GRIP. A project adds `sensor/NAME` for each sensor, `component/NAME` for each component,
-and [its own](own_nodes.md). `with` are parameters, written in the task; `in` and `out` are bound to variables. What
-has no default and isn't optional has to be given.
+Every leaf that comes with GRIP for you to use, with its ports; [others](imported_nodes.md) are written by imports. A
+project adds `sensor/NAME` for each sensor, `component/NAME` for each component, and [its own](own_nodes.md). `with` are
+parameters, written in the task; `in` and `out` are bound to variables. What has no default and isn't optional is
+required.
 
-Unless more is said, a node ends with `success`, or with `failure` where codes are listed
-(`on: {failure.CODE: ...}`). What moves or plans also fails with `canceled` when somebody else stopped it, and with
-`preempted` when the task was asked to end.
+A node ends with `success`, or with `failure` where codes are listed (`on: {failure.CODE: ...}`). Nodes that move or
+plan also fail with `canceled` when stopped from elsewhere, and `preempted` when the task was asked to end.
 """
+_IMPORTED_HEAD = """# Nodes of imported tasks
+
+What `grip import` writes where a node of BehaviorTree.CPP, Nav2 or SMACH has no equal kind, so that a task does
+exactly the same. A node that speaks of children is the first child of a
+[`kind: control`](own_nodes.md#a-control-node), and they are the others. Tables are read as in [Nodes](nodes.md).
+"""
+_IMPORTED = ("btcpp", "nav2", "smach")
 EXAMPLES = {
     "arm": "{node: arm/move_to, with: {arm: right, state: home}}",
     "btcpp": "{node: btcpp/WasEntryUpdated, in: {entry: goal}}",
@@ -60,23 +66,20 @@ class _Port:
     doc: str
 
 
-def reference(manifests: Iterable[Manifest]) -> str:
-    """Return the page, one section per group of ids, in Markdown."""
+def builtin_reference() -> dict[str, str]:
+    """Return the pages of the nodes that come with GRIP, with one sensor as an example: file's name -> Markdown."""
     groups: dict[str, list[Manifest]] = {}
-    for manifest in manifests:
+    for manifest in [*Catalog.builtin(), sensor_manifest("NAME")]:
         groups.setdefault(manifest.id.split("/")[0], []).append(manifest)
-    return _HEAD + "".join(_group(name, sorted(groups[name], key=lambda m: m.id)) for name in sorted(groups))
-
-
-def builtin_reference() -> str:
-    """Return the page of the nodes that come with GRIP, with one sensor as an example."""
-    return reference([*Catalog.builtin(), sensor_manifest("NAME")])
+    sections = {name: _group(name, sorted(groups[name], key=lambda m: m.id)) for name in sorted(groups)}
+    imported = "".join(sections.pop(name) for name in _IMPORTED)
+    return {"nodes.md": _HEAD + "".join(sections.values()), "imported_nodes.md": _IMPORTED_HEAD + imported}
 
 
 def _group(name: str, manifests: Sequence[Manifest]) -> str:
     counted = Counter(port for manifest in manifests for port in set(_ports(manifest)))
     shared = [port for port, many in counted.items() if many >= _SHARED]
-    shared.sort(key=lambda port: (_SIDES.index(port.side), port.name))
+    shared.sort(key=lambda port: (_SIDES.index(port.side), len(port.name) > 1, port.name))
     usual, many = Counter(_ends(manifest) for manifest in manifests).most_common(1)[0]
     usual = usual if many > len(manifests) / 2 else ()
     parts = [f"\n## {name}\n\n```yaml\n{EXAMPLES[name]}\n```\n"]
@@ -156,4 +159,5 @@ def _cell(text: str) -> str:
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(builtin_reference(), encoding="utf-8")
+    for page, text in builtin_reference().items():
+        (Path(sys.argv[1]) / page).write_text(text, encoding="utf-8")
