@@ -29,11 +29,6 @@ MOST = 1 << 24
 """Whole numbers that a float32 holds."""
 
 
-class _Body(NamedTuple):
-    points: slice
-    triangles: slice
-
-
 class _Texture(NamedTuple):
     """A picture on the triangles first, first + 1, ...; place in it = slope @ point + shift."""
 
@@ -55,27 +50,14 @@ class RasterRenderer:
     def __init__(self, info: CameraInfo, far: float, targets: Sequence[Target], visual: bool = True):
         self._info, self._far = info, far
         self._names = tuple(target.name for target in targets)
-        self._bodies: list[_Body] = []
-        self._textures: list[_Texture] = []
-        looks: list[Look] = []
-        boxes, count, first = [], 0, 0
-        for target in targets:
-            mine = [_drawable(look, target.colour) for look in target.looks(visual)]
-            start, begin = count, first
-            for look in mine:
-                if look.texture is not None and look.uv is not None:
-                    self._textures.append(_texture(first, look, look.uv, look.texture))
-                count, first = count + len(look.points), first + len(look.triangles)
-            self._bodies.append(_Body(slice(start, count), slice(begin, first)))
-            reach = np.concatenate([np.zeros((0 if count > start else 1, 3)), *(look.points for look in mine)])
-            boxes.append(box_corners(reach.min(axis=0), reach.max(axis=0)))
-            looks += mine
-        if first >= MOST:
-            raise ValueError(f"{first} triangles; a camera can draw {MOST}")
-        self._fill(looks)
-        sizes = [body.triangles.stop - body.triangles.start for body in self._bodies]
+        self._looks = [[_drawable(look, target.colour) for look in target.looks(visual)] for target in targets]
+        sizes = [sum(len(look.triangles) for look in looks) for looks in self._looks]
+        if sum(sizes) >= MOST:
+            raise ValueError(f"{sum(sizes)} triangles; a camera can draw {MOST}")
+        reach = [np.stack([*map(_reach, looks)] or [np.zeros((2, 3))]) for looks in self._looks]
+        boxes = [box_corners(each[:, 0].min(axis=0), each[:, 1].max(axis=0)) for each in reach]
         self._boxes, self._filled = np.array(boxes, float).reshape(-1, 8, 3), np.array(sizes, int) > 0
-        self._whose = np.repeat(np.arange(len(targets)), sizes).astype(np.int16)
+        self._fill(np.zeros(len(targets), bool))
         self._rays = info.rays().reshape(-1, 3)
         self._field = 2 * np.arctan(info.height / 2 / info.matrix[1, 1])
         self._slope = np.array([info.width, info.height]) / 2 / info.matrix[[0, 1], [0, 1]]
@@ -83,22 +65,34 @@ class RasterRenderer:
         self._settings.setShadingType(cv2.RASTERIZE_SHADING_FLAT)
         self._settings.setCullingMode(cv2.RASTERIZE_CULLING_NONE)  # it was done before
 
-    def _fill(self, looks: Sequence[Look]) -> None:
-        starts = np.cumsum([0, *(len(look.points) for look in looks)])
-        parts = [look.triangles + start for look, start in zip(looks, starts, strict=False)]
+    def _fill(self, known: Mask) -> None:
+        """Have the triangles of these bodies ready; a robot that is never in view costs nothing."""
+        self._known = known
+        whose = [row for row in np.flatnonzero(known).tolist() for _ in self._looks[row]]
+        looks = [look for row in np.flatnonzero(known).tolist() for look in self._looks[row]]
+        points = np.cumsum([0, *(len(look.points) for look in looks)])
+        firsts = np.cumsum([0, *(len(look.triangles) for look in looks)])
+        bodies = np.searchsorted(whose, np.arange(len(self._looks) + 1))
+        self._starts, self._firsts = points[bodies].tolist(), firsts[bodies].tolist()  # each ends where the next begins
+        parts = [look.triangles + start for look, start in zip(looks, points, strict=False)]
+        self._textures = [
+            _texture(int(first), look, look.uv, look.texture)
+            for look, first in zip(looks, firsts, strict=False)
+            if look.texture is not None and look.uv is not None
+        ]
         colours = [np.tile(np.array(look.colour, np.float32), (len(look.triangles), 1)) for look in looks]
         self._points = np.concatenate([np.empty((0, 3)), *(look.points for look in looks)]).astype(np.float32)
         self._triangles = np.concatenate([np.empty((0, 3)), *parts]).astype(np.int32)
         self._planes = np.concatenate([np.empty((0, 4)), *map(_planes, looks)])
         self._coarse = self._planes.astype(np.float32)
         self._colours = np.concatenate([np.empty((0, 3), np.float32), *colours])
+        self._whose = np.repeat(np.array(whose, np.int16), np.diff(firsts))
 
     def draw(self, pose: Pose, places: Places) -> Frame:
         """Return what is seen from a pose of bodies at places; see `Renderer`."""
         turn = pose.rotation()
         rotations, shifts = turn.T @ places.rotations, (places.positions - pose.position) @ turn
-        local = np.empty_like(self._points)
-        corners, rows = self._may_be_seen(rotations, shifts, local)
+        corners, rows, local = self._may_be_seen(rotations, shifts)
         number = np.zeros((self._info.height, self._info.width, 3), np.float32)
         if len(rows):
             depth = np.full(number.shape[:2], self._far, np.float32)
@@ -112,23 +106,28 @@ class RasterRenderer:
         return self._shaded(number[:, :, 0].ravel().astype(np.int32) - 1, rotations, shifts, pose, local)
 
     def _may_be_seen(
-        self, rotations: Array, shifts: Array, local: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-        """Return the corners and the numbers of triangles that may have a pixel; fill `local` with points in view."""
+        self, rotations: Array, shifts: Array
+    ) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float32]]:
+        """Return the corners and the numbers of triangles that may have a pixel, and all points, of bodies in view."""
         far, near = [np.empty(0, np.int32)], [np.empty(0, np.int32)]
         boxes = self._boxes @ rotations.transpose(0, 2, 1) + shifts[:, None]
         crossing = boxes[:, :, 2].min(axis=1) < 2 * NEAR
-        for row in np.flatnonzero(self._in_view(boxes)):
-            body, rotation, shift = self._bodies[row], rotations[row], shifts[row]
-            np.matmul(self._points[body.points], rotation.T.astype(np.float32), out=local[body.points])
-            local[body.points] += shift.astype(np.float32)
+        seen = self._in_view(boxes)
+        if (seen & ~self._known).any():
+            self._fill(seen | self._known)
+        local = np.empty_like(self._points)
+        for row in np.flatnonzero(seen).tolist():
+            rotation, shift, first = rotations[row], shifts[row], self._firsts[row]
+            points = slice(self._starts[row], self._starts[row + 1])
+            np.matmul(self._points[points], rotation.T.astype(np.float32), out=local[points])
+            local[points] += shift.astype(np.float32)
             eye = np.append(-(rotation.T @ shift), -1).astype(np.float32)
-            facing = np.flatnonzero(self._coarse[body.triangles] @ eye > -1e-6).astype(np.int32)
-            (near if crossing[row] else far).append(facing + body.triangles.start)
+            facing = np.flatnonzero(self._coarse[first : self._firsts[row + 1]] @ eye > -1e-6).astype(np.int32)
+            (near if crossing[row] else far).append(facing + first)
         rows, cut = np.concatenate(far), np.concatenate(near)
         whole = local.take(self._triangles.take(rows, axis=0).ravel(), axis=0)
         clipped, which = _clipped(local[self._triangles[cut]])
-        return np.concatenate([whole, clipped]), np.concatenate([rows, cut[which]])
+        return np.concatenate([whole, clipped]), np.concatenate([rows, cut[which]]), local
 
     def _in_view(self, boxes: Array) -> Mask:
         """Tell of boxes, shape (n, 8, 3), whether they don't lie beside, behind or beyond what the camera sees."""
@@ -199,6 +198,12 @@ def _drawable(look: Look, colour: Colour) -> Look:
     whole = np.linalg.norm(np.cross(two - one, three - one), axis=1) > 0
     uv = None if look.uv is None else look.uv[whole]
     return replace(look, triangles=look.triangles[whole], colour=look.colour or colour, uv=uv)
+
+
+@lru_cache(maxsize=256)
+def _reach(look: Look) -> Array:
+    """Return the lowest and the highest corner along the axes, shape (2, 3)."""
+    return np.stack([look.points.min(axis=0), look.points.max(axis=0)])
 
 
 @lru_cache(maxsize=256)
