@@ -55,7 +55,7 @@ class SimClock:
         """A motion begins."""
         with self._lock:
             self._moving += 1
-            self._end_idling()
+            self._let_idle()
 
     def end(self) -> None:
         """A motion has ended."""
@@ -67,34 +67,28 @@ class SimClock:
         """Stand still also while nothing moves; harmless when it does already."""
         with self._lock:
             self._paused = True
-            self._end_idling()
+            self._let_idle()
 
     def resume(self) -> None:
         """Go on; harmless when it goes."""
         with self._lock:
-            if self._paused:
-                self._paused = False
-                self._let_idle()
+            self._paused = False
+            self._let_idle()
 
     def keep_to_simulated(self, only: bool) -> None:
         """Show simulated time alone, from which our own is taken out again; or let our own go on."""
         with self._lock:
-            if only == self._simulated_only:
-                return
             self._simulated_only = only
+            self._let_idle()
             if only:
-                self._idle, self._idle_since, self._latest = 0.0, None, self._simulated
-            else:
-                self._let_idle()
-
-    def _end_idling(self) -> None:
-        if self._idle_since is not None:
-            self._idle += time.monotonic() - self._idle_since
-            self._idle_since = None
+                self._idle, self._latest = 0.0, self._simulated
 
     def _let_idle(self) -> None:
-        if self._moving == 0 and not self._paused and not self._simulated_only:
-            self._idle_since = time.monotonic()
+        """Have our own time go on where nothing stops it any more, and stop where something does."""
+        idles = self._moving == 0 and not self._paused and not self._simulated_only
+        if self._idle_since is not None:
+            self._idle += time.monotonic() - self._idle_since
+        self._idle_since = time.monotonic() if idles else None
 
     def told(self, simulated: float) -> None:
         """Take over the simulator's time [s]."""
