@@ -61,7 +61,8 @@ class SimRobot:
         self._stiffness, self._damping = np.zeros(count), np.zeros(count)
         self._limit, self._force = np.zeros(count), np.zeros(count)
         self._ranges: dict[int, tuple[float, float]] = {}
-        self._pressing: dict[str, list[int]] = {}
+        self.pressing: dict[str, list[int]] = {}
+        """The hands whose force is regulated, each with the rows of its joints."""
         self._followers: dict[int, list[tuple[int, Mimic]]] = {}
         for name, mimic in description.mimics.items():
             self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
@@ -134,14 +135,10 @@ class SimRobot:
         self._ranges[row] = between if between[0] <= between[1] else (here, here)
         self._aim(row, float(self._target[row]), 0.0)
 
-    def pressing(self) -> dict[str, list[int]]:
-        """Return the hands whose force is regulated, each with the rows of its joints."""
-        return self._pressing
-
     def _note_pressing(self) -> None:
-        self._pressing = {}
+        self.pressing = {}
         for row in np.flatnonzero(self._force).tolist():
-            self._pressing.setdefault(self.hand_of(row), []).append(row)
+            self.pressing.setdefault(self.hand_of(row), []).append(row)
 
     def hand_of(self, row: int) -> str:
         """Return the hand that a joint belongs to; the first where its group doesn't tell."""

@@ -102,6 +102,5 @@ class Shaking:
         self._strokes[axis] += 1
 
     def _as_before(self, before: Pose, now: Pose) -> bool:
-        away = before.inverse() @ now
-        turn = np.linalg.norm(away.rotation_vector())
-        return bool(np.linalg.norm(away.position) <= self._said.shift and turn <= self._said.turn)
+        turn = 2 * np.arccos(min(abs(float(before.quaternion @ now.quaternion)), 1.0))
+        return bool(np.linalg.norm(now.position - before.position) <= self._said.shift and turn <= self._said.turn)

@@ -56,8 +56,11 @@ class Contact(NamedTuple):
         return (x, y, z) if name == self.first else (-x, -y, -z)
 
 
-TOUCH = 1e-3
+TOUCH, NONE = 1e-3, np.zeros(3, np.float32)
 """Contact forces below this are none [N]."""
+FEELING = 1 / 80
+"""While a hand's force is regulated, it is felt so often [s]: to ask for contacts takes as long as a step does, and the
+force grows or sinks ten times more slowly."""
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 """PhysX cylinders lie along x."""
 FLOOR, FLOOR_SIZE, FLOOR_DEPTH, FLOOR_COLOUR = "floor", 20.0, 1.0, (92, 94, 98)
@@ -89,7 +92,7 @@ class World:
         self._liquids = Liquids(self._underside, self._uprightness)
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self.articulated = {
-            name: make_articulated(self._scene, name, said, self._replaced, self._liquids)
+            name: make_articulated(self._scene, name, said, lambda *two: self.cameras.replaced(*two), self._liquids)
             for name, said in spec.articulated.items()
         }
         mechanisms = self.articulated.values()
@@ -99,6 +102,7 @@ class World:
         """How often it was advanced."""
         self._moved: set[str] = set()
         self._pressed: dict[str, float] = {}
+        self._feeling = max(1, round(FEELING / spec.dt))
         self.faults = Faults(spec.faults, spec.seed, self)
         links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
         seen = [*still, *self._robot_targets(), *map(self._object_target, spec.objects), *links]
@@ -121,9 +125,12 @@ class World:
         self.physics()
         self.steps += 1
         self._moved.clear()
-        self._pressed.clear()
-        for hand, rows in self.robot.pressing().items():
-            self.robot.regulate(rows, self.pressed(hand), self.spec.dt)
+        self._pressed = {hand: force for hand, force in self._pressed.items() if hand in self.robot.pressing}
+        for hand, rows in self.robot.pressing.items():
+            steps = self._feeling if self._pressed.get(hand) else 1  # what isn't touched yet may be with any step
+            if self.steps % steps == 0:
+                self._pressed.pop(hand, None)
+                self.robot.regulate(rows, self.pressed(hand), steps * self.spec.dt)
         if self._shaking is not None:
             self._shaking.stepped(self.time)
         self.cameras.stepped(self.time)
@@ -233,7 +240,10 @@ class World:
         return wrist_wrench(self.robot.body, self._fingers[hand], touching)
 
     def pressed(self, hand: str) -> float:
-        """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other."""
+        """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other.
+
+        While its force is regulated, that is as it was felt last.
+        """
         if hand not in self._pressed:
             self._pressed[hand] = sum(self._force(contact) for _, _, contact in self._holding(hand)) / 2
         return self._pressed[hand]
@@ -291,6 +301,7 @@ class World:
         volumes = kept["liquids"]
         self.robot.put_back(kept)
         self._shaking = self._watch()
+        self._pressed.clear()
         self._liquids.put_back(volumes)
         for name, state in states.items():
             self.articulated[name].put_back(state)
@@ -310,9 +321,6 @@ class World:
             digest.update(np.asarray(each.kept(), dtype=np.float32).tobytes())
         return digest.hexdigest()
 
-    def _replaced(self, link: physx.PhysxRigidBodyComponent, body: physx.PhysxRigidBodyComponent) -> None:
-        self.cameras.replaced(link, body)
-
     def _watch(self) -> Shaking | None:
         return None if self.spec.shake is None else Shaking(self.spec.shake, self._in_hand)
 
@@ -321,8 +329,8 @@ class World:
         poses = {name: body.entity_pose for name, body in self._objects.items()}
 
         def held() -> dict[str, Pose]:
-            back = _pose(palm).inverse()
-            return {name: back @ _pose(pose) for name, pose in poses.items()}
+            back = palm.inv()
+            return {name: _pose(back * pose) for name, pose in poses.items()}
 
         return palm.p, cache(held)
 

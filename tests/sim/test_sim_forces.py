@@ -85,7 +85,7 @@ def test_a_hand_that_closes_without_a_force_regulates_none_any_more():
     world, rows = held(0.5, 4.0, "ur5_gripper")
     world.robot.limit_torque(rows, None)
     world.robot.press(rows, None)
-    assert not world.robot.pressing()
+    assert not world.robot.pressing
     assert run(world, 1.0)[-1] > 6.0
 
 
@@ -106,9 +106,9 @@ def test_each_of_two_hands_has_a_force_of_its_own():
     hands = list(robot.description.hands)
     rows = {hand: robot.rows(robot.description.group(hand)) for hand in hands}
     robot.press(rows[hands[1]], 4.0)
-    assert robot.pressing() == {hands[1]: sorted(rows[hands[1]].tolist())}
+    assert robot.pressing == {hands[1]: sorted(rows[hands[1]].tolist())}
     robot.press(rows[hands[0]], 3.0)
-    assert set(robot.pressing()) == set(hands)
+    assert set(robot.pressing) == set(hands)
     assert len(hands) == 2
 
 
