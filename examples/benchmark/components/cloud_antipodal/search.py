@@ -31,6 +31,16 @@ SIDE = 0.006  # what lies so near to a finger is met by it [m]
 BEST = 20
 
 
+def _axes(turn: float, tilt: float) -> Array:
+    """Return the closing line, the direction across it and the approach of a turned and tilted hand, as columns."""
+    closing, level = np.array([np.cos(turn), np.sin(turn), 0.0]), np.array([-np.sin(turn), np.cos(turn), 0.0])
+    approach = np.sin(tilt) * level - np.cos(tilt) * np.array([0.0, 0.0, 1.0])
+    return np.stack([closing, np.cross(approach, closing), approach], axis=1)
+
+
+AXES = np.stack([_axes(turn, tilt) for turn in np.arange(TURNS) * np.pi / TURNS for tilt in TILTS])
+
+
 @dataclass(frozen=True)
 class Hand:
     """A place of the hand.
@@ -89,52 +99,53 @@ def _largest(points: Array) -> Array:
 
 def _normals(points: Array) -> Array:
     """Return the direction of least spread about each point, shape (n, 3), upwards."""
-    near = np.linalg.norm(points[:, None] - points[None], axis=2) < AROUND
+    points = points - points.mean(axis=0)
+    square = np.einsum("ij,ij->i", points, points)
+    near = square[:, None] + square - 2 * points @ points.T < AROUND**2
     weight = near / near.sum(axis=1, keepdims=True)
     mean = weight @ points
-    spread = np.einsum("ij,jk,jl->ikl", weight, points, points) - np.einsum("ik,il->ikl", mean, mean)
+    products = np.einsum("ij,ik->ijk", points, points).reshape(-1, 9)
+    spread = (weight @ products).reshape(-1, 3, 3) - np.einsum("ij,ik->ijk", mean, mean)
     normals = np.linalg.eigh(spread)[1][:, :, 0]
     return normals * np.where(normals[:, 2:] < 0, -1.0, 1.0)
 
 
 def _about(sample: Array, thing: Array, normals: Array, table: float) -> Iterator[Hand]:
     reach = float(np.ptp(thing[:, :2], axis=0).max()) / 2
-    centre = thing.mean(axis=0)
-    for turn in np.arange(TURNS) * np.pi / TURNS:
-        level = np.array([-np.sin(turn), np.cos(turn), 0.0])
-        closing = np.array([np.cos(turn), np.sin(turn), 0.0])
-        for tilt in TILTS:
-            approach = np.sin(tilt) * level - np.cos(tilt) * np.array([0.0, 0.0, 1.0])
-            axes = np.stack([closing, np.cross(approach, closing), approach], axis=1)
-            local = (thing - sample) @ axes
-            slab = np.abs(local[:, 1]) < BREADTH
-            placed = _placed(local[slab], sample, axes, table)
-            if placed is None:
-                continue
-            shift, width, depth = placed
-            between = slab & (local[:, 2] < depth)
-            side = np.abs(np.abs(local[:, 0] - shift) - width / 2) < SIDE
-            met = np.abs(normals[between & side] @ closing)
-            antipodal = float(np.mean(met > 0.6)) if len(met) else 0.0
-            tips = sample + axes @ [shift, 0.0, depth]
-            off = float(np.linalg.norm((tips - centre)[:2])) / max(reach, 0.02)
-            score = 0.4 * antipodal + 0.3 * depth / DEPTHS[-1] - 0.6 * off - 0.2 * abs(tilt) - 0.3 * width / OPENING
-            yield Hand(tips - LENGTH * approach, approach, closing, width, score)
+    centre, away = thing.mean(axis=0), thing - sample
+    slabs = np.abs(away @ AXES[:, :, 1].T) < BREADTH
+    for axes, tilt, slab in zip(AXES, TILTS * TURNS, slabs.T, strict=True):
+        rows = np.flatnonzero(slab)
+        local = away[rows] @ axes
+        placed = _placed(local, sample, axes, table)
+        if placed is None:
+            continue
+        shift, width, depth = placed
+        closing, approach = axes[:, 0], axes[:, 2]
+        side = np.abs(np.abs(local[:, 0] - shift) - width / 2) < SIDE
+        met = np.abs(normals[rows[side & (local[:, 2] < depth)]] @ closing)
+        antipodal = float(np.mean(met > 0.6)) if len(met) else 0.0
+        tips = sample + axes @ [shift, 0.0, depth]
+        off = float(np.linalg.norm((tips - centre)[:2])) / max(reach, 0.02)
+        score = 0.4 * antipodal + 0.3 * depth / DEPTHS[-1] - 0.6 * off - 0.2 * abs(tilt) - 0.3 * width / OPENING
+        yield Hand(tips - LENGTH * approach, approach, closing, width, score)
 
 
 def _placed(local: Array, sample: Array, axes: Array, table: float) -> tuple[float, float, float] | None:
     """Return how far the hand moves sideways, how wide the thing is between the fingers, and how deep they go [m]."""
+    across, deep = local[:, 0], local[:, 2]
     for depth in reversed(DEPTHS):
-        reached = local[local[:, 2] < depth]
-        near = reached[np.abs(reached[:, 0]) < OPENING]
-        if len(near) < 5 or (sample + axes @ [0.0, 0.0, depth])[2] < table + CLEAR:
+        if sample[2] + axes[2, 2] * depth < table + CLEAR:
             continue
-        low, high = float(near[:, 0].min()), float(near[:, 0].max())
+        reached = deep < depth
+        near = across[reached & (np.abs(across) < OPENING)]
+        if len(near) < 5:
+            continue
+        low, high = float(near.min()), float(near.max())
         shift, width = (low + high) / 2, high - low + GRID
-        beyond = np.abs(reached[:, 0] - shift)
-        blocked = ((beyond > OPENING / 2) & (beyond < OPENING / 2 + FINGER)).any() or reached[
-            :, 2
-        ].min() < depth - LENGTH
-        if width <= OPENING - 2 * GRID and not blocked:
+        if width > OPENING - 2 * GRID or deep.min() < depth - LENGTH:
+            continue
+        beyond = np.abs(across[reached] - shift)
+        if not ((beyond > OPENING / 2) & (beyond < OPENING / 2 + FINGER)).any():
             return shift, width, depth
     return None
