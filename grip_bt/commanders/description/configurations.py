@@ -114,7 +114,7 @@ class Configurations:
                 try:
                     found = self._with(chosen, urdf, hinted)
                 except DocumentError as error:
-                    failed = failed or error
+                    failed = failed or (error if best is None else None)
                     continue
                 if best is None or found.fit > best.fit:
                     best = found
@@ -122,7 +122,7 @@ class Configurations:
                     return best
         if best is not None and best.fit >= LEAST:
             return best
-        if failed is not None and best is None:
+        if failed is not None:
             raise DocumentError(f"{failed.message} (the URDF that is the likeliest)", failed.source, failed.line)
         tried = ", ".join(path.name for path in candidates) or "none found"
         entry = self.assistant.get("urdf", {})
