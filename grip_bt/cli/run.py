@@ -257,7 +257,7 @@ def tell_end(end: RunEnd, as_json: bool) -> None:
     keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies", "rest", "unconfirmed")
     said = {key: end[key] for key in ("truth", "judged", "contradiction") if key in end}
     took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
-    ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""
+    ticks = f"{n} tick{'s' * (n != 1)}, " if (n := end.get("ticks")) is not None else ""
     named = f"run {end['run']}" if end.get("run") else "no run was started"
     lines = [f"{sentence(end)}; {took}{ticks}{named}"]
     lines += [f"the referee: {words(end['truth'])}"] if "truth" in end else []
