@@ -21,6 +21,8 @@ await onPage(
       if (process.env.SHOTS) await page.screenshot({ path: `${process.env.SHOTS}/${name}-light-1280.png` });
     };
     await press(page.getByRole("button", { name: /^Take a robot/ }));
+    const robots = page.getByRole("list", { name: "Ready-made robots" }).getByRole("button");
+    await eventually(() => robots.first().textContent(), (name) => /^panda/.test(name), "what can begin a task stands before hands alone");
     await press(page.getByRole("list", { name: "Ready-made robots" }).getByRole("button", { name: "panda The", exact: false }));
     await press(button("Take panda"));
     await page.getByRole("heading", { name: "The project is there" }).waitFor();

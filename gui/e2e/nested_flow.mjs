@@ -69,6 +69,20 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) =
   await box("machine").locator(".node-name").dblclick();
   await box("machine/last").waitFor();
   await item("last").waitFor();
+  // Who has asked for the whole goes on seeing it in a smaller window, also where it can hardly be read.
+  await button("Tree").click();
+  await pick("short");
+  await button("Flow").click();
+  await box("machine").waitFor();
+  await page.getByRole("button", { name: "Fit View" }).click();
+  await page.setViewportSize({ width: 820, height: 560 });
+  const pane = page.locator(".flow .react-flow");
+  await eventually(
+    async () => Promise.all([pane.boundingBox(), ...(await page.locator(".flow .react-flow__node").all()).map((each) => each.boundingBox())]),
+    ([around, ...all]) => all.length > 2 && all.every((each) => each && each.x >= around.x && each.x + each.width <= around.x + around.width),
+    "something is out of sight",
+  );
+  await page.setViewportSize({ width: 1280, height: 720 });
   for (let i = 0; i < 8; i++) await page.getByRole("button", { name: "Zoom Out" }).click();
   await page.locator(".flow .react-flow.far").waitFor();
 });

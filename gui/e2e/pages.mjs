@@ -99,6 +99,17 @@ sensors:
 `,
   );
 
+  // What is a path is browsed for.
+  await button("Browse for nodes").click();
+  await page.getByRole("dialog").getByRole("button", { name: "Choose the folder nodes" }).waitFor();
+  await check(page, "browsing for a folder");
+  await page.keyboard.type("no");
+  await eventually(() => page.evaluate(() => document.activeElement.textContent.trim()), "nodes");
+  await page.getByRole("dialog").getByRole("button", { name: "Choose the folder nodes" }).click();
+  await eventually(() => field("nodes").inputValue(), "nodes");
+  await put(["nodes"], "");
+  await fileIs("saved");
+
   // An external component.
   await open("Component seer");
   await fine();
@@ -124,6 +135,11 @@ sensors:
   await page.keyboard.press("Control+a");
   await page.keyboard.insertText(right);
   await fine();
+  // The robot goes where a picture of one is pressed.
+  const picture = page.getByRole("group", { name: "Named joint states" }).getByRole("button", { name: "above" });
+  await picture.click();
+  await eventually(() => picture.getAttribute("aria-pressed"), "true");
+  await check(page, "joint states in 3D");
   await saved("messages/joint_states.yaml", right);
   assert.match(right, /\nabove:\n  panda_joint1: 0\.25\n  panda_joint2: -?[0-9.]+\n/);
 
@@ -132,6 +148,7 @@ sensors:
   await template("a pose");
   await mistake(["entries above_table", "position", "x"], "left", "0.55", /a valid number, not 'left'/);
   await mistake(["entries above_table", "reference frame"], "wrld", "world", /the robot has no frame 'wrld'; did you mean 'world'/, "false");
+  await page.getByRole("application", { name: /^panda_allegro/ }).waitFor();
   await check(page, "poses");
   await saved("messages/poses.yaml", `above_table:
   reference_frame: world

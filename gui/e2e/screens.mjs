@@ -2,7 +2,7 @@
 // where a folder for them is given. node screens.mjs URL FOLDER ROBOTS [PICTURES]: FOLDER is the empty project that `grip edit` serves at URL,
 // ROBOTS a folder with an arm.urdf. PARTS=theTask,theProject looks at these alone, of a project that has begun.
 import assert from "node:assert/strict";
-import { existsSync, mkdirSync } from "node:fs";
+import { appendFileSync, existsSync, mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { check } from "./axe.mjs";
@@ -149,6 +149,21 @@ await onPage(
       await button("New task").click();
       await look("question: new task");
       await page.keyboard.press("Escape");
+      await leaf.click();
+      await page.keyboard.press("c");
+      await page.getByRole("dialog").getByRole("heading", { name: /^Which outcome/ }).waitFor();
+      await page.keyboard.type("success");
+      await page.keyboard.press("Enter");
+      await page.getByRole("dialog").getByRole("heading", { name: /leads to$/ }).waitFor();
+      await look("question: where an outcome leads");
+      await page.keyboard.press("Escape");
+      await page.getByRole("treeitem").nth(0).click();
+      for (const name of ["New variable", "New outcome"]) {
+        await button(name).first().click();
+        await page.getByRole("dialog").waitFor();
+        await look(`question: ${name}`);
+        await page.keyboard.press("Escape");
+      }
       await page.locator(".actions summary").click();
       await look("further things to do with a node");
       await page.keyboard.press("Escape");
@@ -183,13 +198,23 @@ await onPage(
         await file.and(files.locator('[aria-current="page"]')).waitFor();
         await page.getByRole("main").waitFor();
         await page.getByText("Checking ...").waitFor({ state: "detached" });
+        await page.getByText(/^Looking (at the ROS graph|for a server) \.\.\.$/).waitFor({ state: "detached" });
         if (/^World/.test(name)) {
           await page.getByRole("button", { name: /^See what/ }).first().click();
           await eventually(() => page.getByRole("img", { name: /^What the camera/ }).evaluate((image) => image.naturalWidth).catch(() => 0), (width) => width > 0);
         }
         await look(`project: ${name}`);
       }
+      await theNames(files);
       await files.getByRole("button", { name: /^New component/ }).click();
+      await button("In its repository ...").click();
+      await page.getByRole("list", { name: /^What lies in/ }).waitFor();
+      await look("an interface in its repository");
+      await button("Pasted, or installed").click();
+      await page.getByRole("textbox", { name: "Interface", exact: true }).fill("my_interfaces/srv/PlanGrasp");
+      await page.getByLabel("Its .srv or .action").fill("sensor_msgs/PointCloud2 input\nsensor_msgs/Picture picture\n---\nint32 outcome\ngeometry_msgs/PoseStamped[] returned_object\n");
+      await page.getByText(/the field 'picture'/).waitFor();
+      await look("an interface with a wrong field");
       await button("Template").click();
       await page.getByText("It keeps the contract").waitFor();
       await look("an interface that is kept");
@@ -207,6 +232,50 @@ await onPage(
       await page.keyboard.press("ArrowDown");
       await page.keyboard.press("Enter");
       await page.getByText("messages/poses.yaml").first().waitFor();
+    }
+
+    /** Named joint states, poses and trajectories, as files and on a server. */
+    async function theNames(files) {
+      mkdirSync(join(folder, "messages"), { recursive: true });
+      const joints = [0, -0.4, 0, -2, 0, 1.8, 0.8].map((at, number) => `panda_joint${number + 1}: ${at}`).join(", ");
+      writeFileSync(join(folder, "messages/joint_states.yaml"), `home: {${joints}}\naside: {${joints.replace("panda_joint1: 0", "panda_joint1: 1")}}\n`);
+      writeFileSync(join(folder, "messages/poses.yaml"), "above: {reference_frame: world, position: {x: 0.5, y: 0.1, z: 0.4}, orientation: {r: 0, p: 1.57, y: 0}}\n");
+      writeFileSync(join(folder, "messages/trajectories.yaml"), "wave:\n  - {name: home, interpolate_time: 0, pause_time: 0}\n  - {name: aside, interpolate_time: 2, pause_time: 0.5}\n");
+      for (const name of ["Named joint states", "Named poses", "Named trajectories"]) {
+        await files.getByRole("button", { name: new RegExp(`^${name}`) }).click();
+        await page.getByRole("group", { name: /^entries / }).first().waitFor();
+        if (name !== "Named trajectories") await drawn(/^panda_allegro/);
+        if (name === "Named poses") await page.getByText("Save where the robot is now").click();
+        await look(`${name}, some`);
+      }
+      await files.getByRole("button", { name: /^Message server/ }).click();
+      await button("Serve the project's messages").click();
+      await page.getByRole("list", { name: "Messages in poses" }).getByRole("button").first().click();
+      await page.getByRole("group", { name: "Message above" }).waitFor();
+      await look("a message of a server");
+      await button("Delete above from poses").click();
+      await look("question: delete a message");
+      await page.keyboard.press("Escape");
+      await button("Reset").click();
+      await look("question: reset the server");
+      await page.keyboard.press("Escape");
+      await button("Stop serving").click();
+      await files.getByRole("button", { name: /^Robot, sensors/ }).click();
+      await button("Browse for components").click();
+      await page.getByRole("dialog").getByRole("list").waitFor();
+      await look("question: browse for a folder");
+      await page.keyboard.press("Escape");
+      // Somebody else writes the file while it is edited here.
+      const doc = page.getByRole("group", { name: "Form" }).getByLabel("doc", { exact: true });
+      await doc.fill("Mine.");
+      await doc.press("Enter");
+      await fileIs("not saved");
+      appendFileSync(join(folder, "grip.yaml"), "# theirs\n");
+      await page.keyboard.press("Control+s");
+      await page.getByRole("dialog").getByText("Reload the file").waitFor();
+      await look("question: changed elsewhere");
+      await page.getByRole("dialog").getByRole("button", { name: "Reload the file" }).click();
+      await fileIs("saved");
     }
 
     async function theFaults() {
@@ -236,6 +305,16 @@ await onPage(
       await page.bringToFront();
       await page.getByRole("list", { name: "Who looks on" }).waitFor();
       await look("two look on");
+      await page.getByRole("button", { name: /Change your name/ }).click();
+      await look("question: your name");
+      await page.keyboard.press("Escape");
+      await other.getByRole("button", { name: "Take over" }).or(other.getByRole("button", { name: "Run", exact: true })).first().click();
+      await page.getByRole("button", { name: "Take over" }).waitFor();
+      await look("another one is in control");
+      await button("Run").click();
+      if (await page.getByRole("dialog").waitFor({ timeout: 8000 }).then(() => true, () => false)) await look("question: another page is in control");
+      await page.keyboard.press("Escape");
+      await other.getByRole("button", { name: "STOP" }).click();
     }
   },
   // What isn't the name of an interface is refused (400), and the page says why.

@@ -22,7 +22,7 @@ from grip_gui.setup.robot_facts import data_in
 from grip_gui.setup.settings_store import set_value
 from grip_gui.wire import setup as wire
 
-_SHOWN = (".urdf", ".xacro", ".xml", ".py", ".yaml", ".launch", ".srv", ".action")
+_SHOWN = ".urdf .xacro .srdf .xml .py .yaml .launch .srv .action .scene .obj .stl .ply .dae".split()
 _OF_ROBOT = ("robot", "arms", "hands")
 
 

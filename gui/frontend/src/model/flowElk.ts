@@ -121,9 +121,9 @@ function boxOf(item: FlowItem, level: Level | undefined): ElkNode {
 function edgeOf(edge: FlowEdge, flow: Flow, place: ReadonlyMap<string, number>, open: boolean): ElkExtendedEdge {
   const end = open ? flow.items.find((item) => item.id === edge.target && item.kind === "end") : undefined;
   const begin = open && !place.has(edge.source);
-  // Only success that goes ahead pulls: it becomes the straight line along which the chart is read.
+  // Only success that goes ahead pulls: it becomes the straight line along which the chart is read. What leaves an open container pulls less.
   const ahead = edge.meaning !== "failure" && (place.get(edge.source) ?? -1) < (place.get(edge.target) ?? Infinity);
-  const weight = ahead ? "10" : "1";
+  const weight = ahead ? (end ? "10" : "20") : "1";
   const text = edge.label;
   return {
     id: edge.id,

@@ -1,5 +1,5 @@
 /** What a project needs to run a task, what it has of that, and what a node lacks. */
-import type { SceneItem, TopicView } from "../protocol/generated";
+import type { NamedPlace, SceneItem, TopicView } from "../protocol/generated";
 import type { Key } from "./shapes";
 
 /** What a project needs to run a task. */
@@ -16,13 +16,20 @@ export function partsOf(data: unknown, tasks: readonly string[]): Part[] {
   const keys = (value: unknown): string[] => (typeof value === "object" && value !== null ? Object.keys(value) : []);
   const { robot, world } = file;
   return [
-    { what: "robot", title: "Robot", names: typeof robot === "string" ? [robot] : keys(robot).length > 0 ? ["from files"] : [] },
+    { what: "robot", title: "Robot", names: robotNames(robot) },
     { what: "arms", title: "Arms", names: keys(file.arms) },
     { what: "hands", title: "Hands", names: keys(file.hands) },
     { what: "sensors", title: "Cameras and sensors", names: keys(file.sensors) },
     { what: "world", title: "World", names: typeof world === "string" ? [world] : [] },
     { what: "tasks", title: "Tasks", names: tasks.map((path) => path.replace(/^tasks\/|\.ya?ml$/g, "")) },
   ];
+}
+
+function robotNames(robot: unknown): string[] {
+  if (typeof robot !== "object" || robot === null) return typeof robot === "string" ? [robot] : [];
+  const { arm, hand, ready } = robot as Record<string, unknown>;
+  if (typeof arm === "string" && typeof hand === "string") return [`${arm} with ${hand}`];
+  return Object.keys(robot).length === 0 ? [] : [typeof ready === "string" ? ready : "from files"];
 }
 
 /** The task that shows most: the one in which the hand holds something, if there is one. */
@@ -79,6 +86,34 @@ export function sceneOf(things: readonly Thing[]): Record<string, SceneItem> {
     return [nameOf(thing), { kind: round ? "cylinder" : "box", size: round ? [a / 2, high] : [a, b, high], body: "", at, hand: "", fixed: kind !== "objects" }];
   });
   return Object.fromEntries(items);
+}
+
+/** The poses of a file of named poses, also those of several end effectors under one name; what isn't whole yet is left out. */
+export function posesOf(data: unknown): NamedPlace[] {
+  const entries = (value: unknown): [string, Record<string, unknown>][] => Object.entries((typeof value === "object" && value !== null ? value : {}) as Record<string, Record<string, unknown>>).filter(([, each]) => typeof each === "object" && each !== null);
+  return entries(data).flatMap(([name, said]) => {
+    const frame = typeof said.reference_frame === "string" ? said.reference_frame : "world";
+    const all: [string, Record<string, unknown>][] = "position" in said ? [[name, said]] : entries(said).map(([part, pose]) => [`${name}/${part}`, pose]);
+    return all.flatMap(([of, { position, orientation }]) => {
+      const [at, turn] = [position, orientation].map((each) => (each ?? {}) as Record<string, unknown>) as [Record<string, unknown>, Record<string, unknown>];
+      const turned = "r" in turn ? turnOf(Number(turn.r), Number(turn.p), Number(turn.y)) : [turn.w, turn.x, turn.y, turn.z].map(Number);
+      const numbers = [...[at.x, at.y, at.z].map(Number), ...turned];
+      return numbers.every(Number.isFinite) ? [{ name: of, frame, at: numbers }] : [];
+    });
+  });
+}
+
+/** The joint states of a file of them: name -> joint -> position [rad or m]. */
+export function standsOf(data: unknown): Record<string, Record<string, number>> {
+  const known = Object.entries((typeof data === "object" && data !== null ? data : {}) as Record<string, unknown>);
+  return Object.fromEntries(known.filter((each): each is [string, Record<string, number>] => typeof each[1] === "object" && each[1] !== null && Object.values(each[1]).every(Number.isFinite)));
+}
+
+/** The quaternion w x y z of a turn about the fixed axes x, y, z [rad]. */
+function turnOf(roll: number, pitch: number, yaw: number): number[] {
+  const [cr = 1, cp = 1, cy = 1] = [roll, pitch, yaw].map((angle) => Math.cos(angle / 2));
+  const [sr = 0, sp = 0, sy = 0] = [roll, pitch, yaw].map((angle) => Math.sin(angle / 2));
+  return [cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy];
 }
 
 /** How wide something is drawn whose file doesn't say it, such as an object of the library. */

@@ -82,6 +82,36 @@ export function optionsAt(options: Readonly<Record<string, readonly string[]>>, 
   return fitting === undefined ? undefined : options[fitting];
 }
 
+/** Keys of values that are paths -> how such files end; a folder where nothing is said of that. */
+const PATHS: Readonly<Record<string, RegExp | null>> = {
+  urdf: /\.urdf$/,
+  xacro: /\.xacro$/,
+  srdf: /\.srdf(\.xacro)?$/,
+  moveit: null,
+  launch: /(launch\.(py|xml|yaml)|\.launch)$/,
+  scene: /\.scene$/,
+  nodes: null,
+  components: null,
+  folder: null,
+  mesh: /\.(obj|stl|ply|dae)$/i,
+  model: /\.yaml$/,
+};
+
+/** What may be browsed for at a place: how a file ends, null for a folder; undefined where no path stands. */
+export function pathAt(place: Key): RegExp | null | undefined {
+  const [key, above] = [place.at(-1), place.at(-2)].map(String);
+  if (above === "packages") return null;
+  return place[0] === "robot" && ["arm", "hand", "robot"].includes(key ?? "") ? /\.(urdf|xacro|yaml)$/ : PATHS[key ?? ""];
+}
+
+/** A path as it is said in a file of a folder; both begin at the root. */
+export function pathFrom(folder: string, path: string): string {
+  const [from = [], to = []] = [folder, path].map((each) => each.split("/").filter(Boolean));
+  const apart = from.findIndex((step, at) => step !== to[at]);
+  const shared = apart < 0 ? from.length : apart;
+  return [...from.slice(shared).map(() => ".."), ...to.slice(shared)].join("/") || ".";
+}
+
 /** The value at a place of some data. */
 export function valueAt(data: unknown, key: Key): unknown {
   return key.reduce<unknown>((at, step) => (typeof at === "object" && at !== null ? (at as Record<string | number, unknown>)[step] : undefined), data);

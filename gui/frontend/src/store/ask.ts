@@ -2,6 +2,7 @@
 import { create } from "zustand";
 
 import { FEW } from "../model/values";
+import type { FolderView } from "../protocol/generated";
 
 export interface Option {
   readonly value: string;
@@ -35,10 +36,18 @@ export interface ChoiceQuestion {
   readonly columns?: readonly { readonly title: string; readonly lines: readonly string[] }[];
 }
 
+/** Asks for a file or a folder of the machine that the server runs on. */
+export interface FileQuestion {
+  readonly kind: "file";
+  readonly title: string;
+  /** What can be chosen: of a file, its name decides; of a folder, what it is. */
+  readonly fits: (entry: { readonly name: string; readonly kind: FolderView["kind"] }) => boolean;
+}
+
 /** Whether a choice is made among buttons; where what is offered is searched, it never is. */
 export const isFew = ({ options, search }: Pick<ChoiceQuestion, "options" | "search">): boolean => !search && options.length <= FEW;
 
-export type Question = TextQuestion | ChoiceQuestion;
+export type Question = TextQuestion | ChoiceQuestion | FileQuestion;
 
 interface AskStore {
   readonly question: Question | null;
@@ -61,6 +70,7 @@ export function ask(question: Question): Promise<string | null> {
 }
 
 export const askText = (question: Omit<TextQuestion, "kind">): Promise<string | null> => ask({ kind: "text", ...question });
+export const askFile = (question: Omit<FileQuestion, "kind">): Promise<string | null> => ask({ kind: "file", ...question });
 export const askChoice = (question: Omit<ChoiceQuestion, "kind">): Promise<string | null> => ask({ kind: "choice", ...question });
 
 let expected = 0;

@@ -138,10 +138,10 @@ export async function saveSetup(over = false): Promise<boolean> {
       return false;
     }
     const options = [
-      { value: "over", label: "Overwrite the file" },
-      { value: "theirs", label: "Reload the file" },
+      { value: "over", label: "Overwrite the file", detail: "What was written there is lost" },
+      { value: "theirs", label: "Reload the file", detail: "What was changed here is lost" },
     ];
-    const answer = await askChoice({ title: `${view.path} was changed elsewhere`, label: error.message, options });
+    const answer = await askChoice({ title: `${view.path} was changed elsewhere`, label: "It was written since it was opened here", options });
     if (answer === "over") return saveSetup(true);
     if (answer === "theirs") {
       useSetup.setState({ saved: view.text });

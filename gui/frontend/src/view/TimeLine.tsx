@@ -14,7 +14,7 @@ const LEAST_LANES = 2;
 /** Why there are no events. */
 const NOTHING = {
   begun: "The run has told nothing yet.",
-  edited: "The task is edited; choose a run to see it again.",
+  edited: "Edited: choose a run to see it.",
   never: "Nothing has run yet.",
 };
 
@@ -65,7 +65,7 @@ export function TimeLine(): JSX.Element {
       <div className="time-head">
         <h2 id="time-title">Time line</h2>
         <RunPicker />
-        <span className="time-words">
+        <span className="time-words" title={factsText(moment.facts)}>
           {history.length === 0
             ? NOTHING[record ? "begun" : ran ? "edited" : "never"]
             : `${seconds(event?.t ?? 0)} of ${seconds(end)}, event ${shown} of ${history.length}, ${factsText(moment.facts)}`}

@@ -312,11 +312,12 @@ export function Whole({ boxes, begun, least, begin, over = "", middle = false }:
   const { setViewport, getViewport } = useReactFlow();
   const width = useStore((s) => s.width);
   const height = useStore((s) => s.height);
-  const put = useRef<Viewport | null>(null);
+  const put = useRef<(Viewport & { readonly least: number }) | null>(null);
   const fit = (least: number): void => {
     const all = extent(boxes.values());
     const zoom = Math.min(1.1, (width * 0.92) / (all.right - all.left), (height * 0.92) / (all.bottom - all.top));
-    put.current = zoom < least ? begin(all, width, height) : { x: (width - (all.left + all.right) * zoom) / 2, y: (height - (all.top + all.bottom) * zoom) / 2, zoom };
+    const whole = { x: (width - (all.left + all.right) * zoom) / 2, y: (height - (all.top + all.bottom) * zoom) / 2, zoom };
+    put.current = { ...(zoom < least ? begin(all, width, height) : whole), least };
     void setViewport(put.current);
   };
   const looked = useRef({ over, width, height });
@@ -327,7 +328,9 @@ export function Whole({ boxes, begun, least, begin, over = "", middle = false }:
     // As long as nobody has moved it, it stays fitted.
     const left = then !== null && Math.abs(now.x - then.x) + Math.abs(now.y - then.y) < 1 && now.zoom === then.zoom;
     const resized = before.width !== width || before.height !== height;
-    if (then === null || (left && resized) || before.over !== over) fit(least);
+    // Who has asked for the whole goes on seeing it in a pane of another size.
+    if (then !== null && left && resized) fit(then.least);
+    else if (then === null || before.over !== over) fit(least);
     else if (middle && resized && before.width > 0) void setViewport({ x: now.x + (width - before.width) / 2, y: now.y + (height - before.height) / 2, zoom: now.zoom });
     looked.current = { over, width, height };
   });

@@ -1,9 +1,11 @@
 /** The dialog of the question that is open: a text, a few buttons, or a choice from a list that is filtered while typing. */
-import { type JSX, type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from "react";
+import { type JSX, type KeyboardEvent, lazy, Suspense, useEffect, useId, useMemo, useRef, useState } from "react";
 import { matching } from "../../model/commands";
 import { turned } from "../../model/values";
 import { Prose } from "./fields";
-import { type ChoiceQuestion, isFew, type TextQuestion, useAsk } from "../../store/ask";
+import { type ChoiceQuestion, type FileQuestion, isFew, type TextQuestion, useAsk } from "../../store/ask";
+
+const FileBrowser = lazy(() => import("../start/FileBrowser"));
 
 /** Most options that are listed; typing finds the others. */
 const SHOWN = 200;
@@ -29,7 +31,9 @@ export function Ask(): JSX.Element | null {
       }}
     >
       <h2 id={title}>{question.title}</h2>
-      {question.kind === "text" ? <TextForm key={question.title} question={question} answer={answer} /> : <Choice key={question.title} question={question} answer={answer} />}
+      {question.kind === "text" && <TextForm key={question.title} question={question} answer={answer} />}
+      {question.kind === "choice" && <Choice key={question.title} question={question} answer={answer} />}
+      {question.kind === "file" && <Browse question={question} answer={answer} />}
     </dialog>
   );
 }
@@ -62,6 +66,21 @@ function TextForm({ question, answer }: { question: TextQuestion; answer: (text:
         </button>
       </div>
     </form>
+  );
+}
+
+function Browse({ question, answer }: { question: FileQuestion; answer: (path: string | null) => void }): JSX.Element {
+  return (
+    <>
+      <Suspense fallback={<p className="hint" role="status">Looking ...</p>}>
+        <FileBrowser fits={question.fits} chosen="" choose={answer} />
+      </Suspense>
+      <div className="ask-buttons">
+        <button type="button" onClick={() => answer(null)}>
+          Cancel
+        </button>
+      </div>
+    </>
   );
 }
 

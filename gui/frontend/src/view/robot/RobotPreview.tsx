@@ -6,7 +6,7 @@ import type { Stand } from "../../model/timeline";
 import { keepState, taskThrough } from "../../store/begin";
 import { useDark } from "../hooks";
 import { isNear, makeReach } from "./reach";
-import { type Dragging, makeSpace, type Space } from "./space";
+import { type Dragging, makeSpace, type Space, type Spot } from "./space";
 
 interface PreviewProps {
   readonly view: GeometryView | null;
@@ -14,14 +14,19 @@ interface PreviewProps {
   readonly moves?: boolean;
   /** What stands around it. */
   readonly scene?: Readonly<Record<string, SceneItem>>;
+  /** Poses that are drawn with their names. */
+  readonly places?: readonly Spot[];
+  /** Name -> joint -> position [rad or m]: a picture each, and the robot goes where one is pressed. */
+  readonly stands?: Readonly<Record<string, Readonly<Record<string, number>>>>;
   /** Told of what is dragged of that; without it nothing can be. */
   readonly drags?: Dragging;
 }
 
 const REST: Stand = { t: 0, joints: new Map(), scene: {}, bodies: {}, ways: [], plans: [], touch: new Map(), press: [], hardest: 0 };
 const ALONE: Readonly<Record<string, SceneItem>> = {};
+const NOWHERE: readonly Spot[] = [];
 
-export default function RobotPreview({ view, moves = false, scene = ALONE, drags }: PreviewProps): JSX.Element {
+export default function RobotPreview({ view, moves = false, scene = ALONE, places = NOWHERE, stands, drags }: PreviewProps): JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null);
   const space = useRef<Space | null>(null);
   const [error, setError] = useState("");
@@ -32,7 +37,7 @@ export default function RobotPreview({ view, moves = false, scene = ALONE, drags
     if (!canvas.current || !view || view.error) return;
     try {
       space.current = makeSpace(canvas.current, view);
-      space.current.show({ ...REST, scene }, [], [], false);
+      space.current.show({ ...REST, scene }, places, [], false);
       space.current.fit();
       setReady(space.current);
     } catch (why) {
@@ -46,7 +51,7 @@ export default function RobotPreview({ view, moves = false, scene = ALONE, drags
   }, [view?.links]); // a position that is kept is no other shape
   useEffect(() => void (drags && ready?.drags(drags)), [ready, drags]);
   const dark = useDark();
-  useEffect(() => space.current?.show({ ...REST, joints, scene }, [], [], false), [view, joints, scene, dark]);
+  useEffect(() => space.current?.show({ ...REST, joints, scene }, places, [], false), [view, joints, scene, places, dark]);
   function onKeyDown(event: KeyboardEvent): void {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (turn) space.current?.turn(turn[0] ?? 0, turn[1] ?? 0);
@@ -67,6 +72,16 @@ export default function RobotPreview({ view, moves = false, scene = ALONE, drags
           <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${view.name}: ${movable.length} joints. Arrow keys turn it, plus and minus go nearer and away.${drags ? " What stands there is moved in the plan by arrow keys, or in the form by number." : ""}`} onKeyDown={onKeyDown} />
         )}
       </div>
+      {stands && view && !view.error && (
+        <div className="scroll joints states" tabIndex={0} role="group" aria-label="Named joint states">
+          {Object.entries(stands).map(([name, at]) => (
+            <button key={name} aria-pressed={joints.size > 0 && Object.entries(at).every(([joint, position]) => joints.get(joint) === position)} onClick={() => setJoints(new Map(Object.entries(at)))}>
+              <Stands space={ready} at={at} />
+              {name}
+            </button>
+          ))}
+        </div>
+      )}
       {moves && view && !view.error && <Joints view={view} space={ready} joints={joints} set={setJoints} />}
     </div>
   );

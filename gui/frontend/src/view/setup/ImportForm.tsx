@@ -5,7 +5,7 @@ import { server } from "../../protocol/client";
 import type { ImportView, ImportRequest, InterfaceView, InterfaceRequest } from "../../protocol/generated";
 import { chooseTask } from "../../store/desk";
 import { usePage } from "../../store/page";
-import { FileBrowser } from "../start/FileBrowser";
+import FileBrowser from "../start/FileBrowser";
 import { openSetup, refreshed, report } from "../../store/setup";
 
 /** Source, what it is called, how its files end, and whether its code can be run to see what it builds. */

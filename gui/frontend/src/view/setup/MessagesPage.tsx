@@ -1,9 +1,11 @@
 /** The named messages of a running server, live: look, add, change, delete, and keep where the robot is. */
-import { type JSX, useEffect, useState } from "react";
+import { type JSX, lazy, Suspense, useEffect, useMemo, useState } from "react";
+import { posesOf, standsOf } from "../../model/parts";
 import { server } from "../../protocol/client";
-import type { LiveMessage, StoredMessage } from "../../protocol/generated";
+import type { LiveMessage, SetupView, StoredMessage } from "../../protocol/generated";
 import { askChoice } from "../../store/ask";
-import { lookAtMessages, messageOf, useLive, wished } from "../../store/live";
+import { loadGeometry, lookAtMessages, messageOf, useLive, useRobot, wished } from "../../store/live";
+import { openSetup, refreshed, useSetup } from "../../store/setup";
 import { ValueShown } from "../SidePanel";
 import { MeasureForm } from "./TryForm";
 
@@ -106,6 +108,43 @@ export function MessagesPage(): JSX.Element {
         <p className="hint live-detail">{found?.served ? "Choose a message, or add one." : "Tasks that say message_server: true in grip.yaml ask this server; others read the project's files."}</p>
       )}
     </section>
+  );
+}
+
+const RobotPreview = lazy(() => import("../robot/RobotPreview"));
+
+/** What a file of named poses or joint states means, with the robot: where they are, and where the robot is now put among them. */
+export function NamedInSpace({ view }: { view: SetupView }): JSX.Element {
+  const robot = useRobot((s) => s.view);
+  const dirty = useSetup((s) => s.saved !== s.view?.text);
+  const error = useLive((s) => s.error);
+  const said = useLive((s) => s.said);
+  const doc = useSetup((s) => s.files.find((file) => file.path === view.path)?.doc);
+  const places = useMemo(() => (view.kind === "poses" ? posesOf(view.data) : []), [view]);
+  const stands = useMemo(() => (view.kind === "joint_states" ? standsOf(view.data) : undefined), [view]);
+  const many = stands === undefined ? places.length : Object.keys(stands).length;
+  useEffect(() => void loadGeometry(), []);
+  return (
+    <>
+      <p className="hint">
+        {doc} Tasks speak of them by name. {view.kind === "trajectories" ? "Joint states are named first." : "A name and its numbers are added below, or measured where the robot is."}
+      </p>
+      {many > 0 && !robot?.error && (
+        <div className="named-space">
+          <Suspense fallback={<p className="hint loading">Loading the 3D view ...</p>}>
+            <RobotPreview view={robot} places={places} {...(stands ? { stands } : {})} />
+          </Suspense>
+        </div>
+      )}
+      {view.kind !== "trajectories" && (
+        <details>
+          <summary>Save where the robot is now</summary>
+          {dirty ? <p className="hint">What is typed here has to be saved first.</p> : <MeasureForm what={view.kind === "poses" ? "pose" : "joints"} done={() => void refreshed().then(() => openSetup(view.path))} />}
+          {error && <p className="fault" role="alert">{error}</p>}
+          {said && <output aria-label="Result">{said}</output>}
+        </details>
+      )}
+    </>
   );
 }
 

@@ -1,11 +1,13 @@
 /** A form made from the shape of a file: each field is one value of the text, and changes nothing but that. */
 import { type JSX, useId, useState } from "react";
-import { entryShape, formKind, freeName, type Key, listOf, optionsAt, resolved, type Shape, shapeAt, valueAt } from "../../model/shapes";
+import { entryShape, formKind, freeName, type Key, listOf, optionsAt, pathAt, pathFrom, resolved, type Shape, shapeAt, valueAt } from "../../model/shapes";
 import { topicsAt } from "../../model/parts";
 import type { SetupView } from "../../protocol/generated";
+import { askFile } from "../../store/ask";
 import { useLive } from "../../store/live";
 import { Prose } from "../edit/fields";
 import { removeValue, renameValue, setValue } from "../../store/setup";
+import { useProject } from "../../store/tasks";
 
 interface FieldProps {
   readonly view: SetupView;
@@ -133,7 +135,7 @@ function Entries({ view, place, shape, bare = false }: FieldProps): JSX.Element 
   const value = (valueAt(view.data, place) ?? {}) as Record<string, unknown>;
   const names = typeof value === "object" ? Object.keys(value) : [];
   const inner = entryShape(shape);
-  const simple = !["fields", "entries"].includes(formKind(resolved(inner, view.shape as Shape, undefined)));
+  const simple = !["fields", "entries", "items"].includes(formKind(resolved(inner, view.shape as Shape, undefined)));
   const [name, setName] = useState("");
   const what = labelOf(place) || "entries";
   const known = (optionsAt(view.options, [...place, "?"]) ?? []).filter((option) => !names.includes(option));
@@ -249,6 +251,11 @@ function Scalar({ view, place, shape }: FieldProps): JSX.Element {
       ) : (
         <input {...common} type="text" inputMode={kind === "number" ? "decimal" : "text"} key={shown} defaultValue={shown} placeholder={hint} onBlur={(event) => take(event.target.value)} onKeyDown={(event) => event.key === "Enter" && take(event.currentTarget.value)} />
       )}
+      {pathAt(place) !== undefined && (
+        <button aria-label={`Browse for ${labelOf(place)}`} onClick={() => void browse(view, place)}>
+          Browse ...
+        </button>
+      )}
       {(reason || shape.description) && (
         <p id={`${id}-said`} className={wrong ? "fault" : reason ? "doubt" : "hint"}>
           {reason || <Prose text={shape.description ?? ""} />}
@@ -256,4 +263,15 @@ function Scalar({ view, place, shape }: FieldProps): JSX.Element {
       )}
     </div>
   );
+}
+
+/** Choose the file or the folder that stands at a place; it is written as a path from where the file with the form lies. */
+async function browse(view: SetupView, place: Key): Promise<void> {
+  const ends = pathAt(place);
+  const found = await askFile({
+    title: `Browse for ${labelOf(place)}`,
+    fits: ({ name, kind }) => (ends ? kind === "file" && ends.test(name) : place.at(-1) === "moveit" ? kind === "moveit" : kind !== "file"),
+  });
+  const home = `${useProject.getState().project?.folder ?? ""}/${view.path}`.split("/").slice(0, -1).join("/");
+  if (found !== null) await setValue([...place], pathFrom(home, found));
 }

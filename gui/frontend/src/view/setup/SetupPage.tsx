@@ -7,7 +7,7 @@ import type { SetupView, Template } from "../../protocol/generated";
 import { loadGeometry, useRobot } from "../../store/live";
 import { listSetup, type Making, openSetup, type Part, probe, saveSetup, setValue, report, useSetup } from "../../store/setup";
 import { ImportForm, InterfaceForm } from "./ImportForm";
-import { MessagesPage } from "./MessagesPage";
+import { MessagesPage, NamedInSpace } from "./MessagesPage";
 import { ProjectParts, World, WorldPicture } from "./ProjectParts";
 import { MotionForm, SchemaForm } from "./SchemaForm";
 import { SetupText } from "./SetupText";
@@ -160,6 +160,7 @@ function Open({ view }: { view: SetupView }): JSX.Element {
               <WorldPicture name={view.path.replace(/^worlds\/|\.yaml$/g, "")} cameras={Object.keys((view.data as { cameras?: object } | null)?.cameras ?? {})} />
             </div>
           )}
+          {view.path.startsWith("messages/") && <NamedInSpace view={view} />}
           {view.kind === "component" && <TryForm path={view.path} />}
           {part === "" && <SchemaForm view={view} />}
         </div>

@@ -117,13 +117,14 @@ const ROBOTS: readonly [MeasureRequest["robot"], string][] = [
   ["fake", "the fake"],
 ];
 
-export function MeasureForm(): JSX.Element {
+/** @param what of an arm, chosen first. @param done told when something was written. */
+export function MeasureForm({ what: first = "joints", done }: { what?: MeasureRequest["what"]; done?: () => void }): JSX.Element {
   const [file, setFile] = useState<unknown>(null);
   const [error, setError] = useState("");
   const under_way = useRun((s) => s.session !== null && s.session.run !== null && s.session.state !== "ended");
   const [robot, setRobot] = useState<MeasureRequest["robot"] | "">("");
   const [part, setPart] = useState("");
-  const [what, setWhat] = useState<MeasureRequest["what"]>("joints");
+  const [what, setWhat] = useState<MeasureRequest["what"]>(first);
   const [name, setName] = useState("");
   const [serve, setServe] = useState(true);
   const [busy, setBusy] = useState(false);
@@ -147,6 +148,7 @@ export function MeasureForm(): JSX.Element {
     setBusy(true);
     await wished(() => server.measure({ robot: whose, part: chosen, what: hand ? "joints" : what, name: name.trim(), serve: served && serve }));
     setBusy(false);
+    done?.();
   }
   return (
     <fieldset aria-label="Where the robot is">

@@ -1,5 +1,5 @@
 /** Folders and files of the machine that the server runs on, to be chosen from instead of typed. */
-import { type JSX, useEffect, useRef, useState } from "react";
+import { type JSX, type KeyboardEvent, useEffect, useRef, useState } from "react";
 
 import { server } from "../../protocol/client";
 import type { FolderView } from "../../protocol/generated";
@@ -22,10 +22,13 @@ interface BrowserProps {
 const MARKS: Record<EntryKind, string> = { moveit: "MoveIt configuration", package: "ROS package", folder: "", file: "" };
 const SHAPES: Record<"folder" | "file", string> = { folder: "M2 4h4l1.5 2H14v7H2z", file: "M4 2h5l3 3v9H4zM9 2v3h3" };
 
-export function FileBrowser({ fits, chosen, choose }: BrowserProps): JSX.Element {
+export default function FileBrowser({ fits, chosen, choose }: BrowserProps): JSX.Element {
   const [view, setView] = useState<FolderView | null>(null);
   const [error, setError] = useState("");
+  /** The beginning of a name, letter by letter. */
+  const typed = useRef("");
   function go(at: string): void {
+    typed.current = "";
     server.browse(at).then(
       (found) => {
         // A project that begins is empty: what is looked for lies beside it.
@@ -41,15 +44,26 @@ export function FileBrowser({ fits, chosen, choose }: BrowserProps): JSX.Element
   const list = useRef<HTMLUListElement>(null);
   const before = useRef<FolderView | null>(null);
   useEffect(() => {
-    if (before.current !== null && document.activeElement === document.body) list.current?.focus();
+    const asked = before.current === null && view !== null && list.current?.closest("dialog");
+    if (asked || (before.current !== null && document.activeElement === document.body)) list.current?.focus();
     before.current = view;
   }, [view]);
+  /** Letters find a name by its beginning, as in other lists of files; they are no keys of the page. */
+  function onKeyDown(event: KeyboardEvent): void {
+    if (event.key.length !== 1 || event.key === " " || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    const rows = [...(list.current?.querySelectorAll<HTMLButtonElement>("li > .setup-file") ?? [])];
+    const found = (text: string): HTMLButtonElement | undefined => rows.find((row) => row.textContent.trim().toLowerCase().startsWith(text));
+    const letter = event.key.toLowerCase();
+    typed.current = found(typed.current + letter) ? typed.current + letter : letter;
+    found(typed.current)?.focus();
+  }
   if (view === null) return <p className="hint" role="status">{error || "Looking ..."}</p>;
   const join = (name: string): string => `${view.at === "/" ? "" : view.at}/${name}`;
   const steps = view.at.split("/").filter(Boolean);
   const here: Entry = { name: steps.at(-1) ?? "/", kind: view.kind };
   return (
-    <div className="browser">
+    <div className="browser" onKeyDown={onKeyDown}>
       <nav aria-label="Folder">
         <button className="link" onClick={() => go("/")}>/</button>
         {steps.map((step, at) => (

@@ -10,7 +10,7 @@ import { loadGeometry, useRobot } from "../../store/live";
 import { newTask, useProject } from "../../store/tasks";
 import { ImportForm } from "../setup/ImportForm";
 import { ProjectParts } from "../setup/ProjectParts";
-import { type Entry, FileBrowser } from "./FileBrowser";
+import FileBrowser, { type Entry } from "./FileBrowser";
 
 const RobotPreview = lazy(() => import("../robot/RobotPreview"));
 
@@ -103,7 +103,9 @@ function RobotDoor(): JSX.Element {
   const [chosen, setChosen] = useState("");
   const [view, setView] = useState<GeometryView | null>(null);
   const busy = useBegin((s) => s.busy !== "");
+  const [hands, setHands] = useState<ReadonlySet<string>>(new Set());
   useEffect(() => void server.robots().then(setRobots, () => setOwn(true)), []);
+  useEffect(() => void server.pairs().then((pairs) => setHands(new Set(Object.values(pairs).map((pair) => pair.hand))), () => undefined), []);
   useEffect(() => {
     if (chosen === "") return;
     let left = false;
@@ -115,6 +117,7 @@ function RobotDoor(): JSX.Element {
     };
   }, [chosen]);
   const options = Object.entries(robots).map(([name, doc]) => ({ value: name, label: name, detail: doc }));
+  options.sort((one, other) => Number(hands.has(one.value)) - Number(hands.has(other.value))); // a hand alone begins no task
   const name = chosen.split("/").at(-1) ?? "";
   return (
     <section className="start-room" aria-label="Robots">
