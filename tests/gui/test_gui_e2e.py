@@ -216,11 +216,12 @@ def test_a_task_is_built_and_run_by_keys_and_by_ear_as_the_docs_say(folder: Path
 @pytest.mark.e2e
 @pytest.mark.slow
 @pytest.mark.sim
-def test_a_newcomer_comes_from_an_empty_folder_to_a_hand_that_holds_something(tmp_path: Path) -> None:
+@pytest.mark.parametrize("script", ["first_run.mjs", "hand_on_arm.mjs"])
+def test_a_newcomer_comes_from_an_empty_folder_to_a_hand_that_holds_something(tmp_path: Path, script: str) -> None:
     folder = tmp_path / "empty"
     folder.mkdir()
     with editing(folder) as (_, url):
-        command = browser("first_run.mjs", url, str(folder))
+        command = browser(script, url, str(folder))
         done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
 
