@@ -209,8 +209,6 @@ def _going_on(
 
 Made = Mapping[str, Callable[[ModuleType], object]]
 """Module -> what gives it names of its own where it is stood in for."""
-_OF_ROS = ("launch",)
-"""A package of ROS after which every other package has a folder, without `__init__.py`."""
 
 
 class _TellingFinder(StandInFinder):
@@ -223,8 +221,9 @@ class _TellingFinder(StandInFinder):
     def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
         """Stand in for a module that no other finder has, or that wasn't built; tell of its package once."""
         for finder in sys.meta_path[sys.meta_path.index(self) + 1 :]:
+            # every package has a folder `launch` without `__init__.py`, called like ROS's own
             found = finder.find_spec(fullname, path, target)  # type: ignore[arg-type]
-            if found is not None and not (found.loader is None and (is_generated(fullname) or fullname in _OF_ROS)):
+            if found is not None and not (found.loader is None and (is_generated(fullname) or fullname == "launch")):
                 return found
         known = len(self.packages)
         found = super().find_spec(fullname, path, target)

@@ -30,6 +30,8 @@ class CaughtError(BaseException):
 class Construction:
     """Notes what is built in this thread, and where, while it is entered; a machine that is executed ends it.
 
+    With `holds_threads` no thread is started at all.
+
     Attributes:
         made: states and containers, in the order in which they were begun.
         places: id of one of them -> file and line of the code that makes it.
@@ -37,11 +39,12 @@ class Construction:
         caught: the machine that was to be executed.
     """
 
-    def __init__(self, ours: tuple[str, ...] = ()):
+    def __init__(self, ours: tuple[str, ...] = (), holds_threads: bool = False):
         self.made: list[Any] = []
         self.places: dict[int, tuple[str, int]] = {}
         self.added: dict[tuple[int, str], tuple[str, int]] = {}
         self.caught: Any = None
+        self._holds_threads = holds_threads
         self._ours, self._thread, self._undo = (*_OURS, *ours, "<"), threading.get_ident(), list[tuple[Any, str, Any]]()
 
     def __enter__(self) -> Construction:
@@ -121,10 +124,7 @@ class Construction:
         if isinstance(owner, Container):
             self.caught = self.caught or owner
             raise CaughtError
-        return None if self.holds_threads else start(thread)
-
-    holds_threads = False
-    """Whether threads aren't started at all."""
+        return None if self._holds_threads else start(thread)
 
     def _place(self, frame: FrameType | None, state: object) -> tuple[str, int]:
         """Return where the code makes the object: outside smach and outside the constructors of its own class."""

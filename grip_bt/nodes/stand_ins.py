@@ -118,7 +118,7 @@ class StandIn(metaclass=_Kind):
     _stand_in_name = _stand_in_called = ""
     _stand_in_held: Any = UNKNOWN
     _stand_in_wanted = True
-    _stand_in_there = False
+    _stand_in_class: Any = None
 
     def __init__(self, *arguments: object, **named: object):
         """Take anything; a text may be what it is called, as a node of a tree is."""
@@ -254,13 +254,18 @@ def known(name: str, held: Any = UNKNOWN) -> Any:
 
 def lasting(name: str, held: Any, there: bool) -> Any:
     """Return what is `known`, the same one each time; `there`: whether it can't be None."""
-    made = known(name, held)
-    if stands_in(made):
-        vars(made)["_stand_in_there"] = there
+    made = surely(object if there else None, known(name, held))
     plain = held is UNKNOWN or isinstance(
         held, (str, int, float, type(None))
     )  # others may be changed where they are used
     return judge.lasting.setdefault((name, there, type(held), held), made) if plain else made
+
+
+def surely(kind: type | None, value: Any) -> Any:
+    """Return a value; if it stands in, it is known to be of a class, `object` for any but None."""
+    if stands_in(value):
+        vars(value)["_stand_in_class"] = kind
+    return value
 
 
 def stands_in(value: object) -> bool:

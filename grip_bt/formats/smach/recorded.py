@@ -50,7 +50,7 @@ class Recorder:
         job = Job(file=str(file), root=None if root is None else str(root), given=plain)
         turn = crc32(file.name.encode()) % 2  # while one is asked about this file, the other is about the next
         first = self._asked(turn, job)
-        job.builders = sorted({seen[0][0].builder for seen in _chosen(first).values()})
+        job.builders = sorted({seen[0][0].builder for seen in _chosen(first).values() if not _is_open(seen)})
         return first, self._asked(1 - turn, job) if job.builders else Record()
 
     def _asked(self, number: int, job: Job) -> Record:
@@ -110,9 +110,12 @@ def _chosen(record: Record) -> dict[str, Seen]:
 
 def _rank(seen: Seen) -> tuple[Any, ...]:
     run, machine = seen[0]
-    open_ = _variants(seen) > 1 or any(r.told or r.unfinished for r, _ in seen)
     named = machine.returned or machine.variable
-    return not machine.state.added, open_, len(run.missing), not named, run.builder == "__main__", run.builder
+    return not machine.state.added, _is_open(seen), len(run.missing), not named, run.builder == "__main__", run.builder
+
+
+def _is_open(seen: Seen) -> bool:
+    return _variants(seen) > 1 or any(run.told or run.unfinished for run, _ in seen)
 
 
 def _variants(seen: Seen) -> int:

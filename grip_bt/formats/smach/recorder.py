@@ -10,6 +10,7 @@ import ast
 import gc
 import inspect
 import os
+import random
 import re
 import resource
 import sys
@@ -34,9 +35,9 @@ from .found import Built, Job, Record, Run, Told
 from .sandbox import BUILDER_PATIENCE, PATIENCE, Warmed, WarmProcesses, in_child, seconds_used
 from .surroundings import guard, ros_stand_ins, surround
 
-MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS, MOST_FAILED = 100, 6, 6, 32
-"""In how many ways the questions of a builder, and those of an import, are answered; few, where all are too many, or
-where none has built anything."""
+MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS, MOST_FRUITLESS = 100, 6, 6, 16
+"""In how many ways the questions of a builder, and those of an import, are answered; few, where all are too many; and
+how often in a row, before anything was built, that ends in an error that was seen before."""
 MOST_QUESTIONS = 400
 _MEMORY = 4 << 30
 _ROS = ("rospy", "rclpy", "roslib", "actionlib", "smach_ros", "tf", "tf2_ros", "launch", "launch_ros")
@@ -97,10 +98,8 @@ def _told(what: str, value: str | None = None) -> Told:
 class Recording(Construction):
     """A construction in which labels, outcomes and states may be stand-ins."""
 
-    holds_threads = True
-
     def __init__(self, judge: Asking):
-        super().__init__(_OURS)
+        super().__init__(_OURS, holds_threads=True)
         self.judge = judge
 
     def __enter__(self) -> Recording:
@@ -154,12 +153,11 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
     question of the last run is changed first: what it led to was nearest to it; last what comes after one that was
     changed without any effect on an error.
     """
-    todo, runs, shapes = [("", list[bool]())], list[Run](), defaultdict[str, set[str]](set)
+    todo, runs, shapes, errors = [("", list[bool]())], list[Run](), defaultdict[str, set[str]](set), dict[str, int]()
     while todo:
-        works = any(not run.error for run in runs)
-        late = sum(run.seconds for run in runs) > PATIENCE / 3 or len(runs) >= (
-            most if works else min(most, MOST_FAILED)
-        )
+        works = "" in errors
+        fruitless = not works and len(runs) - max(errors.values(), default=0) > MOST_FRUITLESS
+        late = sum(run.seconds for run in runs) > PATIENCE / 3 or len(runs) >= most or fruitless
         hopeless = len(runs) + len(todo) > most and len(runs) >= FEW_ANSWERS and works
         if late or hopeless:
             for run in runs:
@@ -168,6 +166,7 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
         error, given = todo.pop()
         run = first(given)
         runs.append(run)
+        errors.setdefault(run.error, len(runs))
         for machine in run.machines:
             shapes[machine.key].add(machine.shape)
         if run.stopped or (shapes and all(len(each) > 1 for each in shapes.values())):
@@ -277,6 +276,7 @@ class FileRecorder:
 
     def _run(self, builder: str, asking: Asking, recording: Recording, work: Callable[[], Any]) -> tuple[Run, Any]:
         stand_ins.judged_by(asking)
+        random.seed(os.environ.get("PYTHONHASHSEED"))  # alike for each way of answering
         run, result = Run(builder=builder), None
         try:
             result = recording.run(work)

@@ -89,6 +89,7 @@ def surround(workspace: Workspace) -> None:
                 SPECIAL[there] = partial(_seen, there, f"{getattr(module, '__name__', '')}.{name}()")
     for name in ("shuffle", "sample", "choices"):
         SPECIAL[getattr(random, name)] = partial(_by_chance, getattr(random, name), f"random.{name}()")
+    SPECIAL[random.choice] = _chosen
     for name in ("exists", "isfile", "isdir"):
         there = getattr(os.path, name)
         SPECIAL[there] = partial(_outside, there, name, str(workspace.root))
@@ -106,7 +107,7 @@ def surround(workspace: Workspace) -> None:
 
 
 _SEEN: dict[Any, tuple[str, ...]] = {
-    random: ("random", "randint", "uniform", "gauss", "randrange", "getrandbits", "normalvariate", "choice"),
+    random: ("random", "randint", "uniform", "gauss", "randrange", "getrandbits", "normalvariate"),
     time: ("time", "monotonic", "perf_counter", "localtime", "gmtime", "strftime", "ctime", "time_ns"),
     datetime.datetime: ("now", "utcnow", "today"),
     datetime.date: ("today",),
@@ -145,6 +146,12 @@ def _opened(path: Any, mode: Any = "r", *rest: Any, **named: Any) -> Any:
 def _by_chance(function: Callable[..., Any], name: str, *arguments: Any, **named: Any) -> Any:
     stand_ins.judge.note(name)
     return function(*arguments, **named)
+
+
+def _chosen(items: Any) -> Any:
+    made = _seen(random.choice, "random.choice()", items)
+    kinds = {type(each) for each in items} if isinstance(items, (list, tuple)) else set()
+    return stand_ins.surely(kinds.pop(), made) if len(kinds) == 1 and kinds <= {str, int, float, bool} else made
 
 
 def _outside(function: Callable[[Any], bool], name: str, root: str, path: Any) -> Any:

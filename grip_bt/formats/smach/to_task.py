@@ -56,7 +56,10 @@ class TaskMaker:
         try:
             if own and one_leaf:
                 raise RefusedError(f"its class has a `{own[0]}` of its own")
-            node, ends = self._root()
+            keys = Keys(self.variables, self.name)
+            for key in self.root.input_keys:
+                keys(key)
+            node, ends = self.container(self.root, keys)
         except RefusedError as error:
             if self.root.verdict == "failed" or not one_leaf:
                 if self.root.verdict != "failed":
@@ -75,12 +78,6 @@ class TaskMaker:
         on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}
         node = node.model_copy(update={"on": FrozenDict(on)})
         return self._checked(node, outcomes)
-
-    def _root(self) -> tuple[Any, Ends]:
-        keys = Keys(self.variables, self.name)
-        for key in self.root.input_keys:
-            keys(key)
-        return self.container(self.root, keys)
 
     def container(self, found: ContainerInfo, keys: Keys) -> tuple[Any, Ends]:
         """Return a container as a node, and what its outcomes stand for; refuse one that has no equivalent."""

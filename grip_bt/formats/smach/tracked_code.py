@@ -24,6 +24,7 @@ from grip_bt.nodes.stand_ins import (
     name_of,
     stand_in,
     stands_in,
+    surely,
     value_of,
 )
 
@@ -105,7 +106,7 @@ def _is(left: Any, right: Any) -> bool:
     for one, other in ((left, right), (right, left)):
         if stands_in(one) and not isinstance(one, type):
             held = value_of(one)
-            if other is None and one._stand_in_there:
+            if other is None and one._stand_in_class is not None:
                 return False
             if held is not stand_ins.UNKNOWN:
                 return asked_once(one, name_of(one), held is value_of(other), other)
@@ -121,7 +122,7 @@ def _is(left: Any, right: Any) -> bool:
 
 def _mod(left: Any, right: Any) -> Any:
     if isinstance(left, (str, bytes)) and _inside(right):
-        return _never_none(lifted(lambda a, b: a % b, f"text with {_first_name(right)}", left, right))
+        return surely(type(left), lifted(lambda a, b: a % b, f"text with {_first_name(right)}", left, right))
     return left % right
 
 
@@ -131,13 +132,12 @@ def _text(*parts: Any) -> Any:
         return "".join(p if isinstance(p, str) else format(shown[p[1]](p[0]), p[2]) for p in values)
 
     name = f"text with {_first_name(parts)}" if _inside(parts) else ""
-    return _never_none(lifted(joined, name, *parts)) if name else joined(*parts)
+    return surely(str, lifted(joined, name, *parts)) if name else joined(*parts)
 
 
-def _never_none(text: Any) -> Any:
-    if stands_in(text):
-        vars(text)["_stand_in_there"] = True
-    return text
+def _sure_class(value: Any) -> Any:
+    kind = value._stand_in_class if stands_in(value) and not isinstance(value, type) else None
+    return None if kind is object else kind
 
 
 def _inside(value: Any) -> bool:
@@ -197,9 +197,12 @@ def _may_lack(value: Any) -> bool:
 
 
 def _hasattr(value: Any, name: str) -> bool:
+    if (sure := _sure_class(value)) is not None:
+        return hasattr(sure, name)
     if _may_lack(value) and name not in vars(value):
         known_as = value.__name__ if isinstance(value, StandInModule) else name_of(value)
-        return asked_once(value, f"hasattr({known_as}, {name!r})", True)
+        held = value_of(value) if stands_in(value) else stand_ins.UNKNOWN
+        return asked_once(value, f"hasattr({known_as}, {name!r})", held is stand_ins.UNKNOWN or hasattr(held, name))
     return hasattr(value, name)
 
 
@@ -215,6 +218,8 @@ def _plain_text(name: Any) -> Any:
 
 
 def _isinstance(value: Any, kinds: Any) -> bool:
+    if (sure := _sure_class(value)) is not None:
+        return issubclass(sure, kinds)
     if stands_in(value) and not isinstance(value, type):
         held = value_of(value)
         if held is not stand_ins.UNKNOWN:
@@ -258,7 +263,7 @@ SPECIAL: dict[Any, Callable[..., Any]] = {
     callable: _callable,
     set: lambda *given: stand_in(name_of(given[0])) if given and stands_in(given[0]) else TrackedSet(*given),
     print: lambda *arguments, **named: None,
-    type: type,
+    type: lambda *given, **named: (len(given) == 1 and _sure_class(given[0])) or type(*given, **named),
     repr: repr,
 }
 _ORDERLESS: tuple[Any, ...] = (sorted, min, max, any, all, sum, len)
@@ -301,11 +306,9 @@ def _call(function: Any, *arguments: Any, **named: Any) -> Any:
     if special is not None and (about is None or special not in _LIFTED):
         return special(*arguments, **named)
     owner = getattr(function, "__self__", None)
-    if type(owner) is str and function.__name__ == "join" and arguments and about is None:
-        about = next((a for a in arguments if isinstance(a, (list, tuple)) and _inside(a)), None)
-        name = _first_name(about) if about is not None else ""
-    else:
-        name = name_of(about)
+    name = name_of(about)
+    if about is None and type(owner) is str and _inside(arguments):  # such as `join`
+        about, name = arguments, _first_name(arguments)
     if about is None or _takes_stand_ins(function, owner):
         return function(*arguments, **named)
     return lifted(function, name, *arguments, **named)
