@@ -86,7 +86,7 @@ def _group(name: str, manifests: Sequence[Manifest]) -> str:
     if usual:
         parts.append(f"\nUnless more is said, {name} nodes also end with {', '.join(usual)}.\n")
     if shared:
-        parts.append(f"\nPorts that mean the same wherever they are named:\n{_table(shared)}")
+        parts.append(f"\nShared ports:\n{_table(shared)}")
     for _, alike in groupby(manifests, key=lambda m: (m.doc, tuple(_ports(m)), tuple(m.outcomes.items()))):
         parts.append(_node(list(alike), shared, usual))
     return "".join(parts)

@@ -63,9 +63,9 @@ PAGES = (
     Page(
         "project_file.md",
         "Project file",
-        """A project is a folder with a `grip.yaml`: its robot, its sensors, and where its parts are. `grip new NAME`
-makes one, `grip check` tells what is wrong with it. Editors complete and check it by
-[project.schema.json](project.schema.json), which some find by a first line
+        """Look up the keys of `grip.yaml`, which makes a folder a project: its robot, its sensors, and where its parts
+are. `grip new NAME` writes one, `grip check` tells what is wrong with it. Editors complete and check it by
+[project.schema.json](project.schema.json); some need a first line
 `# yaml-language-server: $schema=PATH/project.schema.json`.""",
         (
             FileKind(
@@ -79,15 +79,16 @@ makes one, `grip check` tells what is wrong with it. Editors complete and check 
     Page(
         "world_file.md",
         "World file",
-        """What is simulated. [Worlds](worlds.md) tells how one is made, checked and looked at; a project names its own
-by `world: NAME`. Things stand at `at` in the robot's base frame, z up. Editors complete and check the file by
-[world.schema.json](world.schema.json).""",
+        """Look up the keys of a world, which is what is simulated; [Worlds](worlds.md) tells how to make one, and
+[Project file](project_file.md) how to read the tables. Things stand at `at` in the robot's base frame, z up. Editors
+complete and check the file by [world.schema.json](world.schema.json).""",
         (FileKind(WorldFile, "worlds/NAME.yaml", "", (f"{OWN}/worlds/workbench.yaml",)),),
     ),
     Page(
         "other_files.md",
         "Other files of a project",
-        "Besides [`grip.yaml`](project_file.md), [worlds](world_file.md) and [tasks](task_format.md).",
+        """Look up the keys of components, campaigns, objects, taught states and mocks. [Project file](project_file.md)
+tells how to read the tables.""",
         (
             FileKind(
                 ComponentFile,
@@ -129,14 +130,13 @@ SCHEMAS: Mapping[str, tuple[type[BaseModel], str]] = {
 FORMS = {"project": ProjectFile, "component": ComponentFile, "world": WorldFile}
 SHAPES = "../gui/grip_gui/setup/shapes.json"
 """Of the page's forms: with what each key means, which only the sources say."""
-_HEAD = """# {title}
-
-{about}
-
+_HEAD = "# {title}\n\n{about}\n"
+_LEGEND = """
 `grip: 1` (or `campaign: 1`) is the version of the format and is required; `doc`, a sentence for people, may stand
 almost anywhere. `name → X` is a mapping with an X for each name, `= X` is a default. A key without one may be left out
 unless it is required.
 """
+"""For all pages, on the first of them."""
 _TITLES: Mapping[Mapped, str] = {
     Mount: "Sensor mount",
     MountConfig: "Hand mount",
@@ -203,7 +203,7 @@ class _Reference:
         for file in page.files:
             described(file.model)
         found = [(file, self._below(file)) for file in page.files]
-        parts = [_HEAD.format(title=page.title, about=page.about)]
+        parts = [_HEAD.format(title=page.title, about=page.about), *([_LEGEND] if page is PAGES[0] else [])]
         for file, places in found:
             parts.append(f"\n## {file.name}\n\n{file.about}\n" if file.about else f"\n## {file.name}\n")
             parts += [_example(path, file.name) for path in file.examples]

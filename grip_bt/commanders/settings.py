@@ -44,7 +44,7 @@ class MotionSettings(BaseModel):
     planning_time: float = Field(default=2.0, gt=0)
     """CPU time for one request, all attempts together [s]; wall time ends it at 20 times as much."""
     attempts: int = Field(default=3, ge=1)
-    """How often a plan is searched with other random numbers before it is given up."""
+    """How many searches, with other random numbers, before giving up."""
 
 
 class PlanningSettings(MotionSettings):

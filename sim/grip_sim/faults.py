@@ -71,11 +71,11 @@ class Fault(Settings):
     of: str = ""
     """Object, joint, group, camera or component; without it what is held, every arm and hand, or every camera."""
     node: str = ""
-    """Path of the task's node with whose beginning it is due; without it, it is due once."""
+    """Path of the node with whose beginning it is due; without it, it is due once."""
     at: NotNegative | Annotated[tuple[NotNegative, NotNegative], AfterValidator(rising)] = 0.0
-    """How long after the start, or the node's beginning [simulated s]; from and to, which the seed draws between."""
+    """How long after the start, or the node's beginning [simulated s]; or a range, in which the seed draws."""
     chance: Annotated[float, Field(ge=0, le=1)] = 1.0
-    """With which probability it happens when it is due."""
+    """Probability that it happens when due."""
     times: Annotated[int, Field(ge=1)] | None = None
     """How often it happens at most."""
     lasts: Positive | None = None

@@ -83,11 +83,11 @@ class CampaignFile(Settings):
     variants: dict[Key, Variant] = {}
     """What is compared; without it, the task alone."""
     factors: dict[Key, dict[str, Variant] | list[Plain]] = {}
-    """Name -> its levels, each what it changes, or values of the task's variable of that name. A variant is a
-    combination of levels, and of one of `variants` where there are some."""
+    """Name -> its levels: what each changes, or values of the task's variable of that name. A variant is a combination
+    of levels, and of `variants` if there are any."""
     design: Literal["full", "latin"] = "full"
-    """Every combination on every seed; or so few that each level is met once on a seed, and with each level of each
-    other factor once in as many seeds as a factor has levels."""
+    """`full`: every combination on every seed. `latin`: each level once on a seed, and each pair of levels once in as
+    many seeds as a factor has levels."""
     order: Literal["blocked", "random", "listed"] = "blocked"
     """Seed by seed, the variants of each in random order; all at random; or seed by seed as they are listed."""
     shuffle: Seed = 0
@@ -95,7 +95,7 @@ class CampaignFile(Settings):
     stop: StopRule | None = None
     """When a variant isn't tried any more; without it, all are on every seed."""
     repeat: int = Field(default=50, ge=0)
-    """Every so manieth trial is run again, in new processes, and compared event by event; 0 for none."""
+    """After so many trials one is run again, in new processes, and compared event by event; 0 for never."""
 
     @field_validator("seeds", mode="wrap")
     @classmethod

@@ -37,7 +37,7 @@ class MountConfig(_Placed):
     root: str | None = None
     """The hand's link that is fixed to it; its root link when it isn't given."""
     namespace: str = "hand"
-    """The hand's links and joints get this before their names, and an underscore."""
+    """Prefix of the hand's links and joints, before an underscore."""
 
 
 class GroupConfig(_Config):
@@ -104,7 +104,7 @@ class RobotConfig(_Config):
     packages: dict[str, str] = {}
     """Package name -> folder, for `package://` and `$(find ...)`."""
     namespace: Key | None = None
-    """Every name of the robot gets this before it, and an underscore."""
+    """Prefix of every name of the robot, before an underscore."""
     arm: str | RobotConfig | None = None
     """A ready-made robot's name, a path, or a description; together with `hand` and `mount`."""
     hand: str | RobotConfig | None = None

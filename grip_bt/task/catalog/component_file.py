@@ -72,7 +72,7 @@ class GraspFields(Settings):
     angle: Number | None = None
     """From the image's right to the line along which the fingers close, turning towards its lower edge."""
     depth: Number | None = None
-    """Of its middle along the optical axis; without it, what the depth image that was sent says there."""
+    """Of its middle along the optical axis; by default that of the depth image that was sent."""
     approach: _SignedPath = "z"
     """Where the hand goes: an axis of the pose, or a field with a vector; a minus turns it round."""
     closing: _SignedPath = "y"
@@ -174,9 +174,9 @@ class Start(Settings):
     namespace: RosName | None = None
     """Namespace of its nodes: `--ros-args -r __ns:=NAMESPACE` behind the command or the arguments."""
     run: bool = True
-    """Whether we start it at all; `false` keeps what is written here for later."""
+    """Whether GRIP starts it; `false` keeps these keys for later."""
     fresh: bool = False
-    """Whether a campaign starts it anew for every trial, because what it was asked before changes its answers."""
+    """Whether a campaign starts it anew for every trial, because its answers depend on earlier ones."""
     restart: Restart = "never"
     """When it is started again after it has ended by itself."""
     restarts: int = Field(default=3, ge=0)
@@ -221,9 +221,9 @@ class Qos(Settings):
     reliability: Literal["reliable", "best_effort"] | None = None
     """Whether messages that were lost are sent again."""
     durability: Literal["volatile", "transient_local"] | None = None
-    """Whether subscribers that come later get the last messages, too: `transient_local`."""
+    """`transient_local`: later subscribers get the last messages too."""
     depth: int = Field(default=10, ge=1)
-    """Messages kept for somebody who is late."""
+    """Messages kept for slow subscribers."""
 
 
 class Timeouts(Settings):
@@ -297,8 +297,8 @@ class ComponentFile(Settings):
     qos: Qos | None = None
     """Of a topic: its quality of service."""
     outcomes: tuple[Label, ...] = Field(min_length=1)
-    """Names of the outcome numbers 0, 1, 2 ...; or how many there are, which then are named `outcome_0` and so on; or
-    label -> rule, for an interface that doesn't keep the contract."""
+    """Names of the outcome numbers 0, 1, 2 ...; or their number, for `outcome_0` and so on; or label -> rule, for an
+    interface that doesn't keep the contract."""
     rules: FrozenDict[Label, str] = FrozenDict()
     """Filled from `outcomes` where they are given by rule: label -> expression over the outputs; the first that holds
     is the outcome."""
@@ -313,8 +313,8 @@ class ComponentFile(Settings):
     timeouts: Timeouts = Timeouts()
     """How long to wait for it."""
     moves: bool = True
-    """Whether its work may move something. Then nothing else that may begins before it has ended; a call that was
-    halted, which can't be stopped, before it is answered."""
+    """Whether its work may move something: then nothing else that may begins before it has ended, or a halted call is
+    answered."""
 
     @property
     def kind(self) -> Kind:

@@ -85,7 +85,7 @@ class SensorConfig(Settings):
     timeout: float = Field(default=2.0, gt=0)
     """How long one capture may take [s]."""
     slop: float = Field(default=0.05, gt=0)
-    """How far the messages of one capture may be apart by their stamps [s]."""
+    """Largest difference between the stamps of one capture [s]."""
 
     @model_validator(mode="after")
     def _has_a_source(self) -> SensorConfig:
@@ -234,7 +234,7 @@ class CameraTopics(Settings):
     timeout: float = Field(default=5.0, gt=0)
     """How long one capture may take [s]."""
     slop: float = Field(default=0.05, gt=0)
-    """How far the messages of one capture may be apart by their stamps [s]."""
+    """Largest difference between the stamps of one capture [s]."""
 
 
 class RosRobotConfig(Settings):
