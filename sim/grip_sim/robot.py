@@ -56,7 +56,7 @@ class SimRobot:
         self._drives = [(joint.set_drive_target, joint.set_drive_velocity_target) for joint in self._joints]
         self._exert, self._weight = self.body.set_qf, self.body.compute_passive_force
         self._rows = {joint.name: row for row, joint in enumerate(self._joints)}
-        count = len(self._joints)
+        count, self._dt = len(self._joints), scene.timestep
         self._target, self._speed = np.zeros(count), np.zeros(count)
         self._stiffness, self._damping = np.zeros(count), np.zeros(count)
         self._limit, self._force = np.zeros(count), np.zeros(count)
@@ -67,7 +67,7 @@ class SimRobot:
         for name, mimic in description.mimics.items():
             self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
         self._tie()
-        self._set_drives(scene.timestep)
+        self._set_drives()
         self._let_neighbours_pass()
         rest = {j: q for j, q in description.at_rest.items() if j in self._rows}
         self.place(description.with_followers(rest))
@@ -83,6 +83,7 @@ class SimRobot:
         q[rows] = list(positions.values())
         self.body.set_qpos(q.astype(np.float32))
         self.body.set_qvel(np.zeros(len(q), np.float32))
+        self._before = self.positions()
         self.drive(rows, q[rows])
 
     def drive(self, rows: Indices, positions: Array, velocities: Array | None = None) -> None:
@@ -181,14 +182,17 @@ class SimRobot:
         return np.asarray(self.body.get_qpos(), dtype=float)
 
     def velocities(self) -> Array:
-        """Return all joint velocities [rad/s]."""
-        return np.asarray(self.body.get_qvel(), dtype=float)
+        """Return all joint velocities [rad/s], by where they were a step ago.
+
+        The solver's own of joints that press on something, and stand still, are up to 1 rad/s.
+        """
+        return (self.positions() - self._before) / self._dt
 
     def kept(self) -> dict[str, Array]:
         """Return everything that makes the robot move on as it does: states, targets and limits of all joints."""
         driven = {"targets": self._target, "speeds": self._speed, "limits": self._limit, "forces": self._force}
         copies = {name: each.copy() for name, each in driven.items()}
-        return {"positions": self.positions(), "velocities": self.velocities(), **copies}
+        return {"positions": self.positions(), "velocities": np.asarray(self.body.get_qvel(), dtype=float), **copies}
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring the robot into a state that was kept. Raises ValueError where it is of a robot with other joints."""
@@ -198,6 +202,7 @@ class SimRobot:
             raise ValueError(f"the state is of another robot: this one has {count} joints, not {wrong}")
         self.body.set_qpos(np.asarray(kept["positions"], np.float32))
         self.body.set_qvel(np.asarray(kept["velocities"], np.float32))
+        self._before = self.positions() - kept["velocities"] * self._dt
         for row in range(count):
             self._aim(row, float(kept["targets"][row]), float(kept["speeds"][row]))
             self.limit_torque(np.array([row]), float(kept["limits"][row]))
@@ -212,8 +217,9 @@ class SimRobot:
         return Measured(tuple(self._joints[r].name for r in rows.tolist()), q, v, effort)
 
     def compensate(self) -> None:
-        """Apply the joint forces that carry the robot's own weight; before each step."""
+        """Apply the joint forces that carry the robot's own weight, and note where joints are; before each step."""
         self._exert(self._weight(True, True))
+        self._before = self.positions()
 
     def _aim(self, row: int, position: float, speed: float) -> None:
         if row in self._ranges:
@@ -225,13 +231,13 @@ class SimRobot:
         aim(position)
         go(speed)
 
-    def _set_drives(self, dt: float) -> None:
+    def _set_drives(self) -> None:
         self._most = [self.description.drives[joint.name].limit for joint in self._joints]
         linked = {*self._followers, *(row for each in self._followers.values() for row, _ in each)}
         for row, joint in enumerate(self._joints):
             drive = self.description.drives[joint.name]
             joint.set_friction(0.0)  # the Allegro's URDF says 5-10 N m, ten times what its motors give
-            calm = CALM * drive.stiffness * dt**2 if row in linked and joint.type == "prismatic" else 0.0
+            calm = CALM * drive.stiffness * self._dt**2 if row in linked and joint.type == "prismatic" else 0.0
             joint.set_armature(np.array([max(drive.armature, calm)], dtype=np.float32))
             self._stiffness[row], self._damping[row] = drive.stiffness, drive.damping
         self.limit_torque(np.arange(len(self._joints)), None)

@@ -65,7 +65,7 @@ def test_a_way_that_can_not_be_followed_is_aborted_and_the_arm_presses_no_longer
     with pytest.raises(ExecutionAbortedError, match="away from the end"):
         bench.go(down)
     bench.simulation.settle(0.3)
-    assert np.abs(bench.arm.state().effort).max() < 20  # 30 N at the hand; nothing holds it on the table but its weight
+    assert np.abs(bench.arm.state().effort).max() < 24  # 30 N, 0.8 m away; nothing holds it on the table but its weight
 
 
 @pytest.mark.parametrize("how", ["cancel", "stop"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from grip_bt.commanders.description.load import load_robot
-from grip_sim.specs import WorldSpec
+from grip_sim.specs import BoxSpec, WorldSpec
 
 pytestmark = pytest.mark.sim
 pytest.importorskip("sapien")
@@ -121,3 +121,20 @@ def test_what_a_robot_hides_of_the_view_is_known_from_its_joints_and_its_descrip
     assert (mine & ~shown).mean() < 5e-3
     if name == "ur10_shadow":  # at home it stands between the camera and the table
         assert 0.45 < mine.mean() < 0.55
+
+
+def test_joints_that_press_and_stand_still_are_measured_at_rest():
+    """The solver's own velocities of them are up to 1 rad/s."""
+    from grip_bt.commanders.kinematics.model import RobotModel
+    from grip_sim.world import World
+
+    robot = load_robot("xarm7_gripper")
+    place = RobotModel(robot).grasp_pose(group="arm").position
+    world = World(WorldSpec(robot="xarm7_gripper", boxes=(BoxSpec("post", (0.04, 0.04, 0.1), tuple(place)),)))
+    rows = world.robot.rows(robot.group("hand"))
+    world.robot.drive(rows, robot.named_state("hand", "closed").position)
+    for _ in range(480):
+        world.step()
+    assert world.hand_contacts("hand")
+    solver = np.abs(world.robot.body.get_qvel()).max()
+    assert np.abs(world.robot.velocities()).max() < 0.02 < solver
