@@ -64,6 +64,11 @@ class ReadState(HandLeaf):
 
 
 class _MovingHandLeaf(HandLeaf):
+    _posture: JointState
+
+    def start(self) -> Operation[JointState]:
+        return self.move(self._posture)
+
     def move(self, posture: JointState | str) -> Operation[JointState]:
         return self.hand.move(posture, self.params["torque_limit"], self.params["seconds"])
 
@@ -97,9 +102,6 @@ class Fingers(_MovingHandLeaf):
         super().prepare()
         self._posture = self.hand.finger_posture(self.params["closing"])
 
-    def start(self) -> Operation[JointState]:
-        return self.move(self._posture)
-
 
 class Fingertips(_MovingHandLeaf):
     """Bring fingertips to positions."""
@@ -120,9 +122,6 @@ class Synergy(_MovingHandLeaf):
     def prepare(self) -> None:
         super().prepare()
         self._posture = self.hand.synergy(self.params["weights"])
-
-    def start(self) -> Operation[JointState]:
-        return self.move(self._posture)
 
 
 class HoldHand(HandLeaf):

@@ -30,7 +30,6 @@ from grip_bt.ros.interfaces.build import ensure_package
 from .client.types import Message, load_type
 from .frames import FrameTree
 
-TYPE = "sensor_msgs/msg/JointState"
 Measured = Executor | HandPort
 RATE = 50.0
 """Messages of joint states a second."""
@@ -65,7 +64,7 @@ class Published:
 
 def publish_joints(bus: Bus, topic: str, executors: Sequence[Measured], now: Callable[[], float]) -> Published:
     """Publish where joints are, in one message, on a topic such as `/joint_states`; `now` is the time of stamps [s]."""
-    writer = bus.writer(TYPE, topic)
+    writer = bus.writer("sensor_msgs/msg/JointState", topic)
 
     def once() -> None:
         stamp, states = now(), [executor.state() for executor in executors]

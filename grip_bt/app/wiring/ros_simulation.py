@@ -107,15 +107,16 @@ def serve_world(
         if simulated_time:
             stack.callback(publish_clock(bus, now).close)
             progress("clock", "/clock")
-        cameras = {}
+        cameras, fixed = {}, {}
         for name, sensor in project.file.sensors.items():
             if sensor.camera is not None:
                 served = CameraPublisher(bus, name, simulation.camera(sensor.camera), camera_rate, now)
                 stack.callback(served.close)
                 said = {part: served.topics[part] for part in ("image", "depth", "info")}
-                cameras[name] = {**said, "mount": _mount(simulation, project, name)}
+                seen = next(each for each in simulation.spec.cameras if each.name == sensor.camera)
+                cameras[name] = {**said, "mount": _mount(served.frame, seen)}
+                fixed[served.frame] = seen.info().pose
                 progress("camera", ", ".join(served.topics.values()))
-        fixed = {f"{name}_optical": _camera_of(simulation, project, name).info().pose for name in cameras}
         stack.callback(publish_frames(bus, project.description(), measured, fixed, now).close)
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
@@ -148,15 +149,10 @@ def _action(project: Project, name: str) -> tuple[str, str]:
     return "gripper", said.gripper
 
 
-def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, object]:
-    spec = _camera_of(simulation, project, name)
+def _mount(frame: str, spec: CameraSpec) -> dict[str, object]:
     pose = spec.info().pose
     place = {**({"on": spec.link} if spec.link else {}), "position": [round(float(v), 6) for v in pose.position]}
-    return {"frame": f"{name}_optical", **place, "quaternion": [round(float(v), 9) for v in pose.quaternion]}
-
-
-def _camera_of(simulation: Simulation, project: Project, name: str) -> CameraSpec:
-    return next(each for each in simulation.spec.cameras if each.name == project.file.sensors[name].camera)
+    return {"frame": frame, **place, "quaternion": [round(float(v), 9) for v in pose.quaternion]}
 
 
 @contextmanager
