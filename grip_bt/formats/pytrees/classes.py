@@ -80,10 +80,6 @@ def _parallel(node: Any) -> NodeSettings:
     raise NoEquivalentError(f"a Parallel with {type(policy).__name__}: what that decides isn't known")
 
 
-def _timeout(node: Any) -> NodeSettings:
-    return NodeSettings({"kind": "timeout", "seconds": max(0.0, node.duration), "child_first": True}, remark=_CLOCK)
-
-
 _CLOCK = "its time is that of the run's clock now"
 _OPEN = "a PassThrough is a guard that is always open"
 _COUNTED = "a Count only counts, which the journal does too: a guard that is always open"
@@ -125,13 +121,6 @@ def _guard(node: Any, keys: Keys) -> NodeSettings:
 
 def _asks(expression: str) -> NodeSettings:
     return NodeSettings({"node": "flow/succeed", "precondition": expression})
-
-
-def _waits(expression: str, names: Sequence[str]) -> NodeSettings:
-    letters = dict(zip(names, "abcdefgh", strict=False))
-    text = re.sub(r"[A-Za-z_]\w*", lambda found: letters.get(found[0], found[0]), expression)
-    bound = {letter: name for name, letter in letters.items()}
-    return NodeSettings({"node": "flow/wait_until", "with": {"expression": text}, "in": bound})
 
 
 def _there(node: Any, keys: Keys) -> str:
@@ -178,8 +167,10 @@ def _unset(node: Any, keys: Keys) -> NodeSettings:
     return NodeSettings({"node": "flow/set", "with": {"value": None}, "out": {"value": name}})
 
 
-def _wait(node: Any, keys: Keys, text: str) -> NodeSettings:
-    return _waits(text, [keys.plain(node.blackboard, node.key)])
+def _wait(node: Any, keys: Keys, expression: str) -> NodeSettings:
+    name = keys.plain(node.blackboard, node.key)
+    text = re.sub(rf"\b{name}\b", "a", expression, count=2)  # it comes first, before a value with the same word
+    return NodeSettings({"node": "flow/wait_until", "with": {"expression": text}, "in": {"a": name}})
 
 
 _KNOWN: dict[type[Behaviour], Callable[[Any, Keys], NodeSettings]] = {
@@ -190,7 +181,9 @@ _KNOWN: dict[type[Behaviour], Callable[[Any, Keys], NodeSettings]] = {
     decorators.Repeat: lambda node, _: NodeSettings(
         {"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})}
     ),
-    decorators.Timeout: lambda node, _: _timeout(node),
+    decorators.Timeout: lambda node, _: NodeSettings(
+        {"kind": "timeout", "seconds": max(0.0, node.duration), "child_first": True}, remark=_CLOCK
+    ),
     decorators.RunningIsFailure: lambda node, _: NodeSettings({"kind": "timeout", "seconds": 0.0, "child_first": True}),
     decorators.SuccessIsRunning: lambda node, _: NodeSettings({"kind": "repeat"}),
     decorators.FailureIsRunning: lambda node, _: NodeSettings({"kind": "retry"}),

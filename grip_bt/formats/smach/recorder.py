@@ -231,9 +231,11 @@ class FileRecorder:
         self.record.runs.append(run)
         gc.freeze()
         if module is not None:
-            for builder, call in (("__main__", self._main), *self._builders(module)):
+            for builder, call in (*self._builders(module), ("__main__", self._main)):
                 if job.builders is None or builder in job.builders:
-                    self.record.runs += answered(partial(self._built, builder, call), MOST_ANSWERS)
+                    again = builder == "__main__" and any(each.machines for each in self.record.runs)
+                    most = FEW_ANSWERS if again else MOST_ANSWERS  # a program builds most often what functions do
+                    self.record.runs += answered(partial(self._built, builder, call), most)
         self.record.compiled = list(_compiled)
         self.record.read = sorted(self.read)
         run.seconds = seconds_used()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import operator
 import os
 from random import Random
 from typing import Any
@@ -295,3 +296,10 @@ def test_a_status_on_the_blackboard_is_a_text_where_no_kept_behaviour_sees_it() 
         assert statuses(mine) == statuses(other)
     with pytest.raises(ImportRefusedError, match="Python function returns, or an object"):
         to_task(composites.Selector("s", False, [SeesWhatIsDone(), once()]))
+
+
+def test_a_value_that_has_the_word_of_its_key_stays_as_it_is() -> None:
+    check = py_trees.common.ComparisonExpression("door", "the door is open", operator.eq)
+    root = to_task(behaviours.WaitForBlackboardVariableValue("wait", check), built_by="m:f").task.root
+    said: Any = root.model_dump(by_alias=True)
+    assert (said["with"], said["in"]) == ({"expression": "a != null and a == 'the door is open'"}, {"a": "door"})
