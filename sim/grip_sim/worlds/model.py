@@ -118,7 +118,7 @@ class ObjectConfig(ShapeConfig):
     region: Name | None = Field(default=None, alias="in")
     """The region that they are drawn into."""
     clearance: Positive | None = None
-    """Least distance between the middles of two drawn objects [m]; as large as the largest of them where not given."""
+    """Least distance between the middles of two drawn objects [m]; by default the size of the largest."""
     drop: bool = False
     """Whether they fall into the region, turned at random, one above the other, instead of standing in it."""
 
