@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, TypeVar, Union, cast, get_args, get_origin
@@ -28,9 +29,13 @@ def read_model(path: Path | str, model: type[M]) -> M:
     Raises:
         DocumentError: it can't be read or doesn't fit; with line and column, and the nearest allowed key.
     """
-    source = str(path)
+    return cast("M", _model_of(read_file(path), str(path), model))
+
+
+@lru_cache(maxsize=256)  # campaigns read the same files for each trial
+def _model_of(text: str, source: str, model: type[M]) -> M:
     begins = f"it holds {listing(model.model_fields)}"
-    found, faults = check_model(parse(read_file(path), source, begins=begins), model)
+    found, faults = check_model(parse(text, source, begins=begins), model)
     if found is None:
         raise document_error(faults, source)
     return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
 
 import numpy as np
@@ -98,8 +99,9 @@ class Tree:
             self._below.setdefault(joint.parent, []).append(joint)
 
     @classmethod
+    @lru_cache(maxsize=16)
     def of(cls, urdf: str) -> Tree:
-        """Read the text of a URDF."""
+        """Read the text of a URDF; what it is asked changes nothing in it."""
         return cls(ET.fromstring(urdf))
 
     def below(self, link: str) -> list[Joint]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -49,20 +50,23 @@ def read_python_nodes(path: Path | str) -> list[Manifest]:
         DocumentError: see `find_python_nodes`.
     """
     text = read_file(path)
-    if "leaf" not in text:
-        return []
+    return list(_nodes_in(text, Path(path).resolve(), str(path))) if "leaf" in text else []
+
+
+@lru_cache(maxsize=256)  # a campaign's trials read the same files again and again
+def _nodes_in(text: str, file: Path, path: str) -> tuple[Manifest, ...]:
     try:
         module = ast.parse(text)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         line, column = getattr(error, "lineno", None), getattr(error, "offset", None)
         message = getattr(error, "msg", None) or str(error)
-        raise DocumentError(f"isn't Python: {message}", str(path), line, column) from None
-    return list(_Source(path, module).manifests())
+        raise DocumentError(f"isn't Python: {message}", path, line, column) from None
+    return tuple(_Source(path, file, module).manifests())
 
 
 class _Source:
-    def __init__(self, path: Path | str, module: ast.Module):
-        self._path, self._module = path, module
+    def __init__(self, path: str, file: Path, module: ast.Module):
+        self._path, self._file, self._module = path, file, module
         self._names = dict(imported(module))
 
     def manifests(self) -> Iterator[Manifest]:
@@ -87,7 +91,7 @@ class _Source:
         try:
             return Manifest(
                 doc=doc,
-                implementation=f"{Path(self._path).resolve()}:{item.name}",
+                implementation=f"{self._file}:{item.name}",
                 parameters=FrozenDict(parameters),
                 inputs=FrozenDict(inputs),
                 outputs=FrozenDict(outputs),
