@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 from zlib import crc32
 
 import numpy as np
@@ -19,6 +19,9 @@ from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.yaml.models import Finite, NotNegative, Positive, Settings, check_model
 from grip_bt.base.yaml.tree import parse
 from grip_bt.commanders.description.robot import RobotDescription
+
+if TYPE_CHECKING:  # who reads what faults a world has must not import sapien
+    from grip_sim.world import World
 
 Vector = tuple[Finite, Finite, Finite]
 Camera = Literal["blackout", "freeze", "late"]
@@ -123,26 +126,6 @@ def check_faults(
             yield UnknownNameError(kind, fault.of, there[kind], f"faults/{name}/of")
 
 
-class Disturbed(Protocol):
-    """The world that faults happen in."""
-
-    @property
-    def time(self) -> float:
-        """Simulated time [s]."""
-
-    def held_objects(self) -> list[str]:
-        """Return the objects that a hand touches."""
-
-    def let_slip(self, name: str, slips: bool) -> None:
-        """Have an object pass through hands, or not any more."""
-
-    def push(self, name: str, by: Vector) -> None:
-        """Change an object's velocity [m/s]."""
-
-    def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
-        """Keep a joint within a range [rad or m], where it is for `NOWHERE`; None ends it."""
-
-
 @dataclass
 class _Due:
     """A fault that is to begin, or that is on, at a time [s]."""
@@ -164,7 +147,7 @@ class Event(NamedTuple):
 class Faults:
     """Has the faults of a world happen."""
 
-    def __init__(self, faults: Mapping[str, Fault], seed: int, world: Disturbed):
+    def __init__(self, faults: Mapping[str, Fault], seed: int, world: World):
         self._faults, self._seed, self._world = dict[str, Fault](), seed, world
         self._due: list[_Due] = []
         self._counts, self._happened = dict[str, int](), dict[str, int]()
@@ -252,7 +235,7 @@ class Faults:
         elif fault.by is not None:
             self._world.push(fault.of, fault.by)
         elif fault.fault in ("stuck", "limit"):
-            self._world.restrict(fault.of, fault.between or NOWHERE)
+            self._world.robot.restrict(fault.of, fault.between or NOWHERE)
         else:
             self._on[name] = fault
             lasts = lasts or 0.0 if fault.fault == "abort" else lasts
@@ -265,7 +248,7 @@ class Faults:
         for thing in due.on if fault.fault == "drop" else ():
             self._world.let_slip(thing, False)
         if fault.fault in ("stuck", "limit"):
-            self._world.restrict(fault.of, None)
+            self._world.robot.restrict(fault.of, None)
         self._on.pop(due.name, None)
         if fault.lasts is not None:
             self._told.append(Event(due.name, f"{fault.fault} is over", over=True))

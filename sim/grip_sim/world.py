@@ -59,8 +59,7 @@ class Contact(NamedTuple):
 TOUCH, NONE = 1e-3, np.zeros(3, np.float32)
 """Contact forces below this are none [N]."""
 FEELING = 1 / 80
-"""While a hand's force is regulated, it is felt so often [s]: to ask for contacts takes as long as a step does, and the
-force grows or sinks ten times more slowly."""
+"""A regulated force is felt so often [s]: to ask for contacts takes as long as a step, and it changes slowly."""
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 """PhysX cylinders lie along x."""
 FLOOR, FLOOR_SIZE, FLOOR_DEPTH, FLOOR_COLOUR = "floor", 20.0, 1.0, (92, 94, 98)
@@ -194,10 +193,6 @@ class World:
         body.set_linear_velocity(np.add(body.linear_velocity, by))
         body.wake_up()
 
-    def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
-        """Keep a joint within a range [rad or m], where it is for an empty one; None ends it."""
-        self.robot.restrict(joint, between)
-
     def link_pose(self, name: str) -> Pose:
         """Return the pose of a robot's link in world."""
         if name not in self._links:
@@ -240,10 +235,7 @@ class World:
         return wrist_wrench(self.robot.body, self._fingers[hand], touching)
 
     def pressed(self, hand: str) -> float:
-        """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other.
-
-        While its force is regulated, that is as it was felt last.
-        """
+        """Return how hard a hand presses on objects [N], as felt last: half of all forces, as sides are opposed."""
         if hand not in self._pressed:
             self._pressed[hand] = sum(self._force(contact) for _, _, contact in self._holding(hand)) / 2
         return self._pressed[hand]
@@ -346,7 +338,7 @@ class World:
         else:
             builder.add_nonconvex_collision_from_file(spec.file, scale=[spec.scale] * 3, material=FIXED)
         builder.set_physx_body_type("static")
-        builder.set_initial_pose(_sapien_pose(spec.pose))
+        builder.set_initial_pose(sapien.Pose(spec.pose.position, spec.pose.quaternion))
         body = builder.build(name=spec.name).find_component_by_type(physx.PhysxRigidStaticComponent)
         return Target(body, spec.name, spec.colour)
 
@@ -374,7 +366,7 @@ class World:
         else:
             density = spec.mass / (4 * r * r * h)
             builder.add_box_collision(half_size=[r, r, h / 2], material=material, density=density)
-        builder.set_initial_pose(_sapien_pose(spec.pose))
+        builder.set_initial_pose(sapien.Pose(spec.pose.position, spec.pose.quaternion))
         entity = builder.build(name=spec.name)
         return entity.find_component_by_type(physx.PhysxRigidDynamicComponent)
 
@@ -406,10 +398,6 @@ def _impulse(contact: physx.PhysxContact) -> Array:
 
 def _looks_of(spec: ObjectSpec) -> list[Look]:
     return [look.moved(np.eye(4), spec.scale) for look in load_object(Path(spec.model)).looks]
-
-
-def _sapien_pose(pose: Pose) -> sapien.Pose:
-    return sapien.Pose(pose.position, pose.quaternion)
 
 
 def _pose(pose: sapien.Pose) -> Pose:

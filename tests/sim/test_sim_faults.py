@@ -23,7 +23,7 @@ class Played:
 
     def __init__(self, faults, seed=0, holding=("mug",)):
         self.time, self.holding, self.done = 0.0, list(holding), []
-        self.faults = Faults(faults, seed, self)
+        self.faults, self.robot = Faults(faults, seed, self), self
 
     def run(self, seconds):
         for _ in range(round(seconds / DT)):
