@@ -141,21 +141,18 @@ class Trials:
             while (trial := self.next()) is not None and (row := seat.run(*trial)) is not None:
                 self.enter(row)
 
-    def once(self, variant: str, seed: int) -> TrialRow | None:
-        """Run one trial in processes of its own, and return its row; None where it was stopped."""
-        return self._one(variant, seed, None)
-
     def once_or_twice(self, variant: str, seed: int, process: RunProcess | None) -> TrialRow | None:
         """Run one trial in a process, and again in new ones where the campaign says so; None where it was stopped."""
-        row = self._one(variant, seed, process)
+        row = self.once(variant, seed, process)
         if row is not None and (variant, seed) in self._repeated and row["status"] not in _WRONG:
-            again = self._one(variant, seed, None)
+            again = self.once(variant, seed)
             if again is None:
                 return None
             row["repeated"] = difference(self.journal, row["run"], again["run"]) or "the same"
         return row
 
-    def _one(self, variant: str, seed: int, process: RunProcess | None) -> TrialRow | None:
+    def once(self, variant: str, seed: int, process: RunProcess | None = None) -> TrialRow | None:
+        """Run one trial, in processes of its own where none is given, and return its row; None where it was stopped."""
         began, late, said = time.monotonic(), threading.Event(), self._campaign.file
         task, options = str(self._campaign.task(variant)), self._options(variant, seed)
         supervisor = Supervisor(task, options, lambda event: None, self._watchdog, own_input=False, process=process)
