@@ -26,7 +26,7 @@ from grip_bt.base.ports import (
 from grip_bt.runtime.motion_end import Measure, Motions, Moved, Rest, measured_rest
 
 from .clock import Waker, WallClock
-from .lockstep import InTurn, Lockstep
+from .lockstep import InTurn, Lockstep, thought_of
 
 T = TypeVar("T")
 MESSAGES = ("next", "recent", "together")
@@ -38,6 +38,7 @@ class RunParts:
     """What a run offers to its leaves.
 
     Attributes:
+        servers: component -> gives the id of its server's process, of those that were started for the run.
         messages: the project's named values, where there are some.
         pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
         lockstep: with the simulated world with which the run takes turns, where there is one.
@@ -49,6 +50,7 @@ class RunParts:
     cameras: Mapping[str, Camera] = field(default_factory=dict)
     components: Mapping[str, Component] = field(default_factory=dict)
     sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    servers: Mapping[str, Callable[[], int]] = field(default_factory=dict)
     scene: Scene | None = None
     ros: Ros | None = None
     messages: Messages | None = None
@@ -68,7 +70,8 @@ class RunContext:
         parts = replace(parts, arms=self._moved(parts.arms), hands=self._moved(parts.hands))
         if lockstep is not None:
             ros = None if parts.ros is None else InTurn(parts.ros, lockstep, waiting=MESSAGES)
-            components = {name: InTurn(part, lockstep) for name, part in parts.components.items()}
+            thought = {name: lambda server=server: thought_of(server()) for name, server in parts.servers.items()}
+            components = {n: InTurn(part, lockstep, thought.get(n, False)) for n, part in parts.components.items()}
             sensors = {name: InTurn(part, lockstep) for name, part in parts.sensors.items()}
             parts = replace(parts, components=components, sensors=sensors, ros=ros)
         self._parts = parts

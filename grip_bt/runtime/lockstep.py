@@ -6,20 +6,24 @@ other, in the order in which they were asked for and not in the order in which t
 reacted to the one before. Only when nothing is pending does the world go on, up to the next end of a motion or the next
 moment that somebody waits for. Concurrent threads of a machine work one at a time, in the document's order.
 
-A call that isn't answered holds time for so long of ours as the next moment is away that the run waits for, and at
-least `GRACE`. Then time goes on without it, and a time-out around it ends at its own moment of the run's clock.
+A call holds time as long as who answers it thinks, which takes long on a busy machine. One that nobody works on holds
+it for so long of ours as the next moment is away that the run waits for, and at least `GRACE`. Then time goes on
+without it, and a time-out around it ends at its own moment of the run's clock.
 """
 
 from __future__ import annotations
 
 import logging
+import os
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import partial
+from operator import attrgetter
+from pathlib import Path
 from typing import Any, TypeVar
 
 from grip_bt.base.failures import CanceledError
@@ -28,8 +32,12 @@ from grip_bt.base.ports import Stepped
 from grip_bt.runtime.clock import Waker
 
 T = TypeVar("T")
+Patience = bool | Callable[[], dict[str, float]]
+"""Whether a call surely ends, however long that takes; or what tells who works on it, see `thought_of`."""
 GRACE = 10.0
 """A call holds time for so long [s of ours] at least."""
+THINKING = 0.3
+"""Who works on a call thinks where a thread of theirs ran, or waited for a processor, for this part of the time."""
 IDLE = 0.1
 """Where nobody is known to wait for anything, time passes as ours does, in parts of this [s]."""
 LOOK = 0.005
@@ -54,19 +62,20 @@ class _Pending:
     Attributes:
         key: orders what is pending as it was asked for; what code in a worker asks for comes after that code.
         holds: whether time stands still for it; not for a motion, nor for what was waited for too long.
-        patient: whether that lasts until it ends, because it surely does.
+        patient: whether that lasts until it ends; else while threads work on it, for longer than was `known`.
         finish: tells the end; None before it.
         waits: for what the code that works for it waits.
     """
 
     key: tuple[int, ...]
     holds: bool
-    patient: bool
+    patient: Patience
     asked: float
     whole: Operation[Any] | None = None
     finish: Callable[[], None] | None = None
     waits: list[Operation[Any]] = field(default_factory=list)
     count: int = 0
+    known: dict[str, float] = field(default_factory=dict)
 
     @property
     def busy(self) -> bool:
@@ -95,7 +104,6 @@ class Lockstep:
     def __init__(self, world: Stepped):
         self._world, self._now = world, world.clock.now
         self._on = False
-        self._waker: Waker | None = None
         self._changed = threading.Condition()
 
     @property
@@ -143,12 +151,12 @@ class Lockstep:
         for pending in ready:
             _tell(pending, canceled)
 
-    def through(self, operation: Operation[T], *, holds: bool = True, patient: bool = False) -> Operation[T]:
+    def through(self, operation: Operation[T], *, holds: bool = True, patient: Patience = False) -> Operation[T]:
         """Return an operation for the run, which hears of its end in turn.
 
         Args:
             holds: whether time stands still until then.
-            patient: whether it surely ends, however long that takes.
+            patient: see `Patience`.
         """
         return operation.in_turn(partial(self._hand_in, self._ask(holds, patient))) if self._on else operation
 
@@ -159,6 +167,7 @@ class Lockstep:
         pending, begun = self._ask(holds=True, patient=False), threading.Event()
 
         def known() -> T:
+            pending.patient = partial(thought_of, os.getpid(), threading.get_native_id())
             begun.set()
             caller, waits = _CALLER.set(pending), WAITS.set(partial(self._while_waiting, pending))
             try:
@@ -171,7 +180,7 @@ class Lockstep:
         begun.wait()  # or else it would depend on the threads whether code is begun that is interrupted soon
         return operation.in_turn(partial(self._hand_in, pending))
 
-    def _ask(self, holds: bool, patient: bool) -> _Pending:
+    def _ask(self, holds: bool, patient: Patience) -> _Pending:
         caller = _CALLER.get()
         with self._changed:
             if caller is None:
@@ -180,7 +189,7 @@ class Lockstep:
             else:
                 caller.count += 1
                 key = (*caller.key, caller.count)
-            pending = _Pending(key, holds, patient, time.monotonic())
+            pending = _Pending(key, holds, patient, time.monotonic(), known=patient() if callable(patient) else {})
             self._pending.append(pending)
         return pending
 
@@ -207,9 +216,7 @@ class Lockstep:
     # --- for the threads of the run ---
 
     def rest(self, seen: int, poll: float | None) -> None:
-        waker = self._waker
-        assert waker is not None, "it has begun"
-        self.rest_until(lambda: waker.wakes != seen, poll)
+        self.rest_until(lambda: self._waker.wakes != seen, poll)
 
     def rest_until(self, over: Callable[[], bool], within: float | None) -> None:
         """Return when `over()`, which is asked whenever something has happened, or after `within` [s] on that clock."""
@@ -306,7 +313,6 @@ class Lockstep:
     def _next(self) -> Callable[[], None] | None:
         """Give a thread its turn, or wait a little, or return what is to be done; nothing of the run works."""
         waker = self._waker
-        assert waker is not None, "it has begun"
         waker.ring()
         if any(not pending.busy for pending in self._busy):
             self._busy = [pending for pending in self._busy if pending.busy]
@@ -328,7 +334,7 @@ class Lockstep:
                 self._wait_for(pending, waker.due)
                 return None
         moments = [t for t in (waker.due, *(thread.look_at for thread in self._waiting)) if t is not None]
-        moving = any(pending.patient and not pending.holds for pending in self._pending)
+        moving = any(pending.patient is True and not pending.holds for pending in self._pending)
         if (waker.due is None and not moving) or self._busy:  # what is looked at or waited for may not be simulated
             least = min([IDLE, *(moment - self._now() for moment in moments)])
             if self._changed.wait(least):
@@ -338,11 +344,13 @@ class Lockstep:
 
     def _wait_for(self, pending: _Pending, due: float | None) -> None:
         left = None
-        if not pending.patient:
-            patience = GRACE if due is None else max(GRACE, due - self._now())
-            left = pending.asked + patience - time.monotonic()
+        if pending.patient is not True:
+            passed = time.monotonic() - pending.asked
+            left = (GRACE if due is None else max(GRACE, due - self._now())) - passed
             if left <= 0:
-                pending.holds = False
+                before, pending.known = pending.known, pending.patient() if pending.patient else {}
+                most = max((spent - before.get(thread, 0.0) for thread, spent in pending.known.items()), default=0.0)
+                pending.asked, pending.holds = pending.asked + passed, most > THINKING * passed
                 return
         if pending.busy:
             left = LOOK
@@ -351,7 +359,6 @@ class Lockstep:
     def _go(self, until: float | None, wakes: int) -> None:
         """Let the world go on up to a moment, or to the end of a motion, or until the run has something to do."""
         waker = self._waker
-        assert waker is not None, "it has begun"
         self._going, before = True, self._now()
         told = until is not None and until <= before  # what ends now does so, whatever else happens meanwhile
         self._known = self._world.sent
@@ -381,7 +388,7 @@ class InTurn:
     For its methods named in `waiting`, which wait for what happens outside, time goes on meanwhile.
     """
 
-    def __init__(self, part: object, lockstep: Lockstep, patient: bool = False, waiting: tuple[str, ...] = ()):
+    def __init__(self, part: object, lockstep: Lockstep, patient: Patience = False, waiting: tuple[str, ...] = ()):
         self._part, self._lockstep, self._patient, self._events = part, lockstep, patient, waiting
 
     def __getattr__(self, name: str) -> Any:
@@ -395,8 +402,18 @@ class InTurn:
         return self._lockstep.through(begun, holds=name not in self._events, patient=self._patient)
 
 
-def _key(ordered: _Thread | _Pending) -> tuple[int, ...]:
-    return ordered.key
+def thought_of(process: int, thread: int | str = "*") -> dict[str, float]:
+    """Return for how long threads of a process and of all that it started ran or waited for a processor [s] (Linux)."""
+    found: dict[str, float] = {}
+    for task in Path(f"/proc/{process}/task").glob(str(thread)):
+        with suppress(OSError, ValueError):  # it has ended meanwhile
+            found[task.name] = 1e-9 * sum(map(int, (task / "schedstat").read_text().split()[:2]))
+            for child in (task / "children").read_text().split():
+                found |= thought_of(int(child))
+    return found
+
+
+_key = attrgetter("key")
 
 
 def _tell(pending: _Pending, canceled: bool = False) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import random
+import subprocess
+import sys
 import threading
 from typing import Any
 
@@ -77,6 +79,41 @@ def test_a_call_that_nobody_answers_holds_time_for_a_while_and_its_timeout_ends_
     assert traces[0] == traces[1] == traces[2]
     (end,) = [event for event in traces[0] if event[1] == "limited" and event[2] == "failure"]
     assert end[0] == pytest.approx(0.2)
+
+
+class Answering:
+    """A part whose call takes far longer than `GRACE`, in a process that thinks, or sleeps, meanwhile."""
+
+    def __init__(self, code):
+        self.process = subprocess.Popen([sys.executable, "-c", code])
+        self.pid = self.process.pid
+
+    def call(self):
+        operation = Operation()
+        threading.Thread(target=lambda: operation.succeed(self.process.wait()), daemon=True).start()
+        return operation
+
+
+THINKS = "import time\nwhile time.process_time() < 0.6: pass"
+SLEEPS = "import time; time.sleep(600)"
+
+
+@pytest.mark.parametrize(("code", "holds"), [(THINKS, True), (SLEEPS, False)])
+def test_time_stands_still_for_who_thinks_however_long_and_goes_on_without_who_sleeps(code, holds, monkeypatch):
+    monkeypatch.setattr(lockstep, "GRACE", 0.1)
+    world = SteppedWorld(lambda: 0.0)
+    turns, part = Lockstep(world), Answering(code)
+    parts = RunParts(lockstep=turns, components={"part": part}, servers={"part": lambda: part.pid})
+    context = RunContext(world.clock, parts)
+    turns.begin(context.waker)
+    asked = context.component("part").call()
+    context.wake_at(5.0)
+    while not asked.done() and world.clock.now() < 5.0:
+        turns.rest_until(lambda: asked.done() or world.clock.now() >= 5.0, 5.0 - world.clock.now())
+    turns.end()
+    part.process.kill()
+    assert asked.done() == holds
+    assert (world.clock.now() == 0.0) == holds
 
 
 @pytest.mark.parametrize("target", TARGETS)

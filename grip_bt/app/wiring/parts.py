@@ -103,13 +103,11 @@ class Resources(RunParts):
 
     Attributes:
         clock: of the run, where a part has one of its own.
-        servers: component -> gives the id of its server's process, of those that were started for the run.
     """
 
     clock: Clock | None = None
     world: Simulation | None = None
     fakes: FakeState | None = None
-    servers: Mapping[str, Callable[[], int]] = field(default_factory=dict)
 
     @property
     def referee(self) -> SimReferee | None:
