@@ -66,3 +66,36 @@ def test_a_ball_falls_as_long_as_it_should(make_world, height):
     assert world.time == pytest.approx(
         np.sqrt(2 * height / GRAVITY), abs=2 * world.spec.dt + 0.02 / np.sqrt(2 * GRAVITY * height)
     )
+
+
+@pytest.mark.parametrize(("length", "angle"), [(0.2, 0.1), (0.5, 0.6)])
+def test_a_pendulum_keeps_its_period_and_gains_no_energy(make_world, length, angle):
+    """Against 2 pi sqrt((I + m l^2) / (m g l)), with the first two terms of what a wide swing takes longer."""
+    from grip_sim.physics import make_scene, sapien
+
+    dt, mass, inertia = 1 / 240, 0.3, 1e-4
+    scene = make_scene(dt)
+    builder = scene.create_articulation_builder()
+    hinge = builder.create_link_builder()
+    rod = builder.create_link_builder(hinge)
+    rod.set_joint_properties("revolute", [[-np.pi, np.pi]], sapien.Pose(), sapien.Pose(), 0.0, 0.0)
+    rod.set_mass_and_inertia(mass, sapien.Pose([0, 0, -length]), [inertia] * 3)
+    body = builder.build(fix_root_link=True)
+    body.set_sleep_threshold(0.0)
+    body.active_joints[0].set_friction(0.0)
+    for link in body.links:
+        link.set_linear_damping(0.0)
+        link.set_angular_damping(0.0)
+    body.set_qpos(np.float32([angle]))
+    moment, passed, highest, before = inertia + mass * length**2, list[float](), 0.0, angle
+    for step in range(int(8 / dt)):
+        scene.step()
+        now, speed = float(body.get_qpos()[0]), float(body.get_qvel()[0])
+        highest = max(highest, moment * speed**2 / 2 + mass * GRAVITY * length * (1 - np.cos(now)))
+        if now * before < 0:
+            passed.append((step + before / (before - now)) * dt)
+        before = now
+    wide = 1 + angle**2 / 16 + 11 * angle**4 / 3072
+    period = 2 * np.pi * np.sqrt(moment / (mass * GRAVITY * length)) * wide
+    assert 2 * np.diff(passed).mean() == pytest.approx(period, rel=0.005)
+    assert highest < 1.03 * mass * GRAVITY * length * (1 - np.cos(angle))
