@@ -16,7 +16,7 @@ import numpy as np
 
 import grip_bt as grip
 from grip_bt.base.arrays import Array
-from grip_bt.base.failures import NoGraspError, NoIkError
+from grip_bt.base.failures import NoGraspError, NoIkError, OutOfLimitsError, PathInvalidError
 from grip_bt.base.ports import Arm
 from grip_bt.base.values import Grasp, JointState, Plan, PointCloud, Pose, Trajectory
 from grip_bt.base.values.joints import Span
@@ -283,26 +283,26 @@ async def shake(
     """
     mover = context.arm(arm)
     for offset in amplitude * np.eye(3):
-        forth, back = await _sides(mover, offset)
-        way = swing(back.trajectory, forth.trajectory, 1 / frequency, seconds)
-        await mover.execute(await mover.plan_from_trajectory(way, slow_down=slow_down))
+        await mover.execute(await _swing_in_place(mover, offset, 1 / frequency, seconds, slow_down))
 
 
-async def _sides(mover: Arm, offset: Array) -> tuple[Plan, Plan]:
-    """Plan to both sides; where one is out of reach, go before where the arm may have more room."""
+async def _swing_in_place(mover: Arm, offset: Array, period: float, seconds: float, slow_down: bool) -> Plan:
+    """Plan one to and fro; where the arm can't reach both sides, or not so quickly, go where it has more room first."""
     outward = mover.grasp_pose().position * [1, 1, 0]
     outward /= np.linalg.norm(outward)
-    unreached: NoIkError | None = None
+    hindered: Exception | None = None
     for step in (0 * UP, -ASTEP * UP, -ASTEP * outward, 2 * ASTEP * outward):
         try:
             there = mover.grasp_pose().moved(step)
             if step.any():
                 await mover.execute(await mover.plan_straight([there]))
-            return await mover.plan_straight([there.moved(offset)]), await mover.plan_straight([there.moved(-offset)])
-        except NoIkError as error:
-            unreached = error
-    assert unreached is not None
-    raise unreached
+            forth, back = [await mover.plan_straight([there.moved(side * offset)]) for side in (1, -1)]
+            way = swing(back.trajectory, forth.trajectory, period, seconds)
+            return await mover.plan_from_trajectory(way, slow_down=slow_down)
+        except (NoIkError, OutOfLimitsError, PathInvalidError) as error:
+            hindered = error
+    assert hindered is not None
+    raise hindered
 
 
 def swing(back: Trajectory, forth: Trajectory, period: float, seconds: float) -> Trajectory:

@@ -9,6 +9,7 @@ import importlib.util
 import sys
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -144,10 +145,10 @@ def test_what_was_seen_is_taken_where_it_is_heavy_and_as_narrow_as_it_is_there(r
 
 
 class Reaching:
-    """An arm that reaches no further than it says."""
+    """An arm that reaches no higher than it says, and is quick enough only below another height."""
 
-    def __init__(self, highest):
-        self.there, self.highest = Pose([0.5, 0.0, 0.3]), highest
+    def __init__(self, highest, quick):
+        self.there, self.highest, self.quick = Pose([0.5, 0.0, 0.3]), highest, quick
 
     def grasp_pose(self):
         return self.there
@@ -155,24 +156,34 @@ class Reaching:
     async def plan_straight(self, goals):
         if goals[0].position[2] > self.highest:
             raise nodes.NoIkError("out of reach")
-        return goals[0]
+        way = np.array([self.there.position, goals[0].position])
+        return SimpleNamespace(pose=goals[0], trajectory=Trajectory(("x", "y", "z"), [0.0, 1.0], way))
+
+    async def plan_from_trajectory(self, way, *, slow_down):
+        if way.positions[0, 2] > self.quick:
+            raise nodes.OutOfLimitsError("too slow")
+        return way
 
     async def execute(self, plan):
-        self.there = plan
+        self.there = plan.pose
 
 
-@pytest.mark.parametrize("highest", [0.3, 0.2])
-def test_a_shake_begins_where_both_sides_are_in_reach(highest):
-    arm = Reaching(highest)
-    shaking = nodes._sides(arm, 0.025 * nodes.UP)
-    if highest == 0.3:
-        with pytest.raises(StopIteration) as ended:
-            shaking.send(None)
-        assert [pose.position[2] for pose in ended.value.value] == pytest.approx([0.265, 0.215])
-        assert arm.there.position == pytest.approx([0.5, 0, 0.24])
-    else:
-        with pytest.raises(nodes.NoIkError):
-            shaking.send(None)
+@pytest.mark.parametrize(("highest", "quick", "begins"), [(1.0, 1.0, 0.3), (0.3, 1.0, 0.24), (1.0, 0.25, 0.24)])
+def test_a_shake_begins_where_both_sides_are_in_reach_and_quickly_enough(highest, quick, begins):
+    arm = Reaching(highest, quick)
+    with pytest.raises(StopIteration) as ended:
+        nodes._swing_in_place(arm, 0.025 * nodes.UP, 0.5, 1.0, False).send(None)
+    heights = ended.value.value.positions[:, 2]
+    assert (heights[0], heights[-1]) == pytest.approx((begins, begins))
+    assert (heights.min(), heights.max()) == pytest.approx((begins - 0.025, begins + 0.025), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("highest", "quick", "said"), [(0.2, 1.0, nodes.NoIkError), (1.0, 0.0, nodes.OutOfLimitsError)]
+)
+def test_a_shake_for_which_there_is_no_room_says_why(highest, quick, said):
+    with pytest.raises(said):
+        nodes._swing_in_place(Reaching(highest, quick), 0.025 * nodes.UP, 0.5, 1.0, False).send(None)
 
 
 def test_a_hand_whose_geometry_nobody_knows_says_so():
