@@ -52,7 +52,10 @@ CELL, FINGER = 0.004, 0.01
 
 
 class Local(NamedTuple):
-    """A thing where fingers close on it: the middle between them, x and y, its width there, and its height [m]."""
+    """A thing where fingers close on it: the middle between them, x and y, its width there, and its height [m].
+
+    It is infinitely wide where fingers can't stay.
+    """
 
     middle: Array
     width: float
@@ -96,9 +99,14 @@ class Thing:
         there = self.seen[np.abs((self.seen[:, :2] - spot) @ along) < FINGER]
         if len(there) < 3:
             return Local(spot, self.width(across), float(self.size[2]))
-        ways = (there[:, :2] - spot) @ across[:2]
+        top = float(there[:, 2].max()) - self.floor
+        there = there[there[:, 2] > self.floor + top / 2 - FINGER]  # what is below the tips is in nobody's way
+        ways, beyond = (there[:, :2] - spot) @ across[:2], (there[:, :2] - spot) @ along > 0
+        sides = [float(np.ptp(half)) for half in (ways[beyond], ways[~beyond]) if len(half)]
+        if max(sides) - min(sides) > FINGER:  # fingers would slide off to where it is narrower
+            return Local(spot, np.inf, top)
         middle = spot + (ways.max() + ways.min()) / 2 * across[:2]
-        return Local(middle, float(np.ptp(ways)) + CELL / 2, float(there[:, 2].max()) - self.floor)
+        return Local(middle, float(np.ptp(ways)) + CELL / 2, top)
 
 
 def _seen_in(cloud: PointCloud | None, size: Array, pose: Pose) -> Array:
