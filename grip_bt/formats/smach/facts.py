@@ -76,7 +76,7 @@ def _container(found: Any, said: dict[str, Any], seen: Construction | None, stor
     made = ContainerInfo(
         **said,
         added=children,
-        initial=getattr(found, "_initial_state_label", None),
+        initial=None if (label := getattr(found, "_initial_state_label", None)) is None else str(label),
         userdata={str(k): literal(v) for k, v in found.userdata._data.items()},
         settings=_settings(found) | ({"overridden": overridden} if overridden else {}),
         items=literal(_items(found._items)) if isinstance(found, smach_compat.Iterator) else None,

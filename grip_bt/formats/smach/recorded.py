@@ -157,7 +157,7 @@ def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[st
         for each in _deciding(seen)[:_MOST_REASONS]:
             text = f"is another machine by the answer to `{each.what}`, known only in a run; shown as for one of them"
             yield text, _span(each)
-    elif any(run.unfinished for run, _ in seen) or any(r.unfinished for r in record.runs if r.builder == "import"):
+    elif any(run.unfinished for run in record.runs if run.builder in ("import", seen[0][0].builder)):
         asked = list(dict.fromkeys(f"`{told.what}`" for run, _ in seen for told in run.asked))[:_MOST_REASONS]
         yield f"asks more than was tried of what is known only in a run: {', '.join(asked)}", None
     elif not told and (again is None or {m.shape for _, m in again} != {m.shape for _, m in seen}):

@@ -305,9 +305,10 @@ class FileRecorder:
                 run.machines = []
             return run
 
-        return Run.model_validate_json(
-            in_child(work, lambda words: Run(builder=builder, error=words, seconds=BUILDER_PATIENCE), BUILDER_PATIENCE)
-        )
+        def failed(words: str) -> Run:  # what it would have made isn't known
+            return Run(builder=builder, error=words, seconds=BUILDER_PATIENCE, unfinished=True)
+
+        return Run.model_validate_json(in_child(work, failed, BUILDER_PATIENCE))
 
     def _builders(self, module: ModuleType) -> Iterator[tuple[str, Callable[[], Any]]]:
         mine = {n: v for n, v in vars(module).items() if getattr(v, "__module__", "") == module.__name__}

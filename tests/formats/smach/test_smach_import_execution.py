@@ -474,3 +474,8 @@ def test_a_question_that_keeps_machines_from_being_built_is_found(wanted):
         return Run(builder="build", answers=answers, error="" if not answers[wanted] else "it ended at once")
 
     assert any(not run.error for run in answered(first, 100))
+
+
+def test_a_machine_that_begins_where_the_environment_says_is_not_exact(tmp_path):
+    begins = "if os.environ.get('FIRST'):\n    sm.set_initial_state([os.environ.get('FIRST')])\n"
+    assert verdicts(recorded(tmp_path, "import os, rospy, smach\n" + OFTEN + begins)) == ["partial"]
