@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import sys
 from collections.abc import Sequence
 
@@ -12,6 +13,8 @@ from . import STOPPED
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb and return its exit status."""
     gc.set_threshold(100_000)  # loading makes much and leaves no garbage: a tenth of what `grip check` takes
+    if arguments is None and sys.argv[1:2] == ["check"]:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy's threads take longer to start than they would save
     try:
         from .shell import run_verb  # here, since Ctrl-C may come while this is being loaded
 
