@@ -144,7 +144,7 @@ def test_a_description_that_isnt_here_is_named_whatever_else_lies_around(workspa
     srdf = '<robot name="other"><group name="g"><chain base_link="x" tip_link="y"/></group></robot>'
     folder = package(workspace / "other_moveit", "other_moveit", **{"config/a.srdf": srdf, ".setup_assistant": made})
     (told,) = [f for f in inspect_robot(str(folder)).findings if f.severity == "error"]
-    assert "made of: other_description/urdf/other.urdf" in told.message
+    assert ".setup_assistant names other_description/urdf/other.urdf" in told.message
 
 
 def test_what_a_driver_tests_with_is_no_configuration(workspace):

@@ -127,9 +127,9 @@ class Configurations:
         tried = ", ".join(path.name for path in candidates) or "none found"
         entry = self.assistant.get("urdf", {})
         named = "/".join(str(entry[key]) for key in ("package", "relative_path") if entry.get(key))
-        made = f"made of: {named}; " if named else ""
+        asked = f"{ASSISTANT} names {named}; " if named else ""
         raise DocumentError(
-            f"no URDF has what the SRDF names ({made}tried: {tried}); name it as `urdf:` or `xacro:`",
+            f"no URDF has what the SRDF names ({asked}tried: {tried}); name it as `urdf:` or `xacro:`",
             str(chosen.srdf or self.folder),
         )
 
