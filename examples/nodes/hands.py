@@ -45,8 +45,6 @@ SLOPES = np.radians((10, 45))
 ASIDE = 0.15
 """What a grasp from the side has to be better by: the arm has less room there."""
 UP = np.array([0.0, 0.0, 1.0])
-
-
 CELL, FINGER = 0.004, 0.01
 """What was seen counts once in each square of this edge; and half of how broad a finger is [m]."""
 

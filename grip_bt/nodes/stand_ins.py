@@ -255,9 +255,8 @@ def known(name: str, held: Any = UNKNOWN) -> Any:
 def lasting(name: str, held: Any, there: bool) -> Any:
     """Return what is `known`, the same one each time; `there`: whether it can't be None."""
     made = surely(object if there else None, known(name, held))
-    plain = held is UNKNOWN or isinstance(
-        held, (str, int, float, type(None))
-    )  # others may be changed where they are used
+    # What isn't plain may be changed where it is used, so each place has its own.
+    plain = held is UNKNOWN or isinstance(held, (str, int, float, type(None)))
     return judge.lasting.setdefault((name, there, type(held), held), made) if plain else made
 
 
