@@ -172,7 +172,7 @@ def _reason_of_pose(value: Mapping[str, Any], where: str) -> str | None:
         if key == "frame" and not isinstance(given, str):
             return f"{at} is {given!r}, not the name of a frame"
         if key not in ("frame", *_POSE):
-            return f"{at} is nothing of a pose (available: position, quaternion, frame){nearest(str(key), _POSE)}"
+            return f"{at} isn't a key of a pose (available: position, quaternion, frame){nearest(str(key), _POSE)}"
         if key in _POSE and not _are_numbers(given, _POSE[key]):
             return f"{at} is {given!r}, not {_POSE[key]} numbers"
     if "position" not in value:

@@ -51,11 +51,11 @@ DEMOS = {
     ),
     "reactive": Demo(
         "reactive",
-        "Placing only after a component's image difference says that the object was taken; else another pose is drawn.",
+        "Places only after a component's image difference confirms the grasp; otherwise draws another pose.",
     ),
     "explore": Demo(
         "explore",
-        "A camera on the wrist looks at a heap from all sides; a component registers the views; one thing is taken.",
+        "A wrist camera looks at a heap from all sides; a component registers the views; one object is grasped.",
         "attempt",
         "explore",
     ),
@@ -71,7 +71,7 @@ DEMOS = {
     ),
     "benchmark": Demo(
         "benchmark",
-        "Four methods to grasp, each in a component with conventions of its own, on things that fell onto a table.",
+        "Four grasp methods, each a component with its own conventions, on objects dropped onto a table.",
         project="benchmark",
         campaign="campaigns/demo.yaml",
     ),

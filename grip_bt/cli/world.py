@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from grip_sim.objects.body import ObjectModel
 
 SEEDS = 20
-"""So many arrangements are drawn by `check`."""
+"""Arrangements that `check` draws."""
 Faults = Callable[[str, Project], Iterator[GripError]]
 SPOT = (0.60, 0.0)
 """Where a thing stands on the table when its picture is taken [m]."""
@@ -43,10 +43,10 @@ def add_world(parser: argparse.ArgumentParser) -> None:
         },
     )
     show.add_argument("world", metavar="NAME|FILE", help="a world's name, or a path of its file")
-    show.add_argument("--seed", type=int, default=0, metavar="N", help="of what is drawn; 0 without it")
+    show.add_argument("--seed", type=int, default=0, metavar="N", help="of what is drawn (default: 0)")
     show.add_argument("--picture", type=Path, metavar="FILE", help="write what a camera sees after 1 s: .png or .jpg")
-    show.add_argument("--camera", default="", metavar="NAME", help="that takes the picture; the world's last one else")
-    check.add_argument("worlds", nargs="*", metavar="NAME|FILE", help="all of the project's without it")
+    show.add_argument("--camera", default="", metavar="NAME", help="that takes it (default: the world's last one)")
+    check.add_argument("worlds", nargs="*", metavar="NAME|FILE", help="which ones (default: all of the project's)")
     new.add_argument("name", metavar="NAME", help="of the new world: worlds/NAME.yaml")
     new.add_argument("--like", default="table", metavar="WORLD", help=f"what to copy: {', '.join(BUILTIN)}; or a file")
     for each in (listed, show, check):
@@ -65,13 +65,13 @@ def add_object(parser: argparse.ArgumentParser) -> None:
     )
     show.add_argument("object", metavar="NAME|FILE", help="an object's name, or a path of its file")
     show.add_argument("--picture", type=Path, metavar="FILE", help="write how it lies on a table: .png or .jpg")
-    check.add_argument("objects", nargs="*", metavar="NAME|FILE", help="all of the project's without it")
+    check.add_argument("objects", nargs="*", metavar="NAME|FILE", help="which ones (default: all of the project's)")
     add.add_argument("path", type=Path, metavar="FILE|FOLDER", help="what to bring in; it is copied")
-    add.add_argument("--name", default="", metavar="NAME", help="objects/NAME.yaml; the file's or folder's name else")
+    add.add_argument("--name", default="", metavar="NAME", help="objects/NAME.yaml (default: as the file or folder)")
     add.add_argument("--scale", type=float, metavar="X", help="factor of its lengths; 0.001 for millimetres")
-    add.add_argument("--mass", type=float, metavar="KG", help="what it weighs; what its file says, or a guess, else")
-    add.add_argument("--friction", type=float, metavar="MU", help="against hands and tables; 0.6 without it")
-    add.add_argument("--parts", type=int, default=32, metavar="N", help="most convex parts, 32; 1: its hull")
+    add.add_argument("--mass", type=float, metavar="KG", help="its mass (default: as its file says, or a guess)")
+    add.add_argument("--friction", type=float, metavar="MU", help="against hands and tables (default: 0.6)")
+    add.add_argument("--parts", type=int, default=32, metavar="N", help="most convex parts (default: 32; 1: its hull)")
     for each in (listed, show, check):
         each.add_argument("--json", action="store_true", help="print one JSON object")
 

@@ -105,7 +105,7 @@ def _port_problems(component: ComponentFile, interface: InterfaceSpec, fields_of
         first = path.split(".")[0]
         if first not in known:
             fields = listing(sorted(known))
-            yield f"ports: {first!r} is no field of the interface{nearest(first, known)} (available: {fields})"
+            yield f"ports: {first!r} isn't a field of the interface{nearest(first, known)} (available: {fields})"
         try:
             wanted = parse_type(port.type)
         except ValueError as error:
@@ -124,7 +124,7 @@ def _port_problems(component: ComponentFile, interface: InterfaceSpec, fields_of
     for name in component.fixed:
         if name not in requests:
             there_are = listing(sorted(requests))
-            yield f"fixed: {name!r} is no field of the request{nearest(name, requests)} (available: {there_are})"
+            yield f"fixed: {name!r} isn't a field of the request{nearest(name, requests)} (available: {there_are})"
 
 
 def received(component: ComponentFile, interface: InterfaceSpec) -> dict[str, FieldSpec]:
@@ -249,7 +249,7 @@ def _grasp_faults(said: GraspFields, component: ComponentFile, field: FieldSpec,
     cameras = [n for n, p in component.ports.items() if p.type in ("DepthImage", "RgbdFrame", "CameraInfo")]
     if said.camera is not None and said.camera not in cameras:
         close, there_are = nearest(said.camera, cameras), listing(cameras, nothing="none")
-        yield f"camera: {said.camera!r} is no input with a camera{close} (there are: {there_are})"
+        yield f"camera: {said.camera!r} isn't an input with a camera{close} (there are: {there_are})"
     vectors = (said.approach, said.closing) if said.position else ()
     numbers = [number.field for number in said.numbers().values()]
     for path in filter(None, (said.pose, said.position, *vectors, *numbers)):
@@ -258,7 +258,7 @@ def _grasp_faults(said: GraspFields, component: ComponentFile, field: FieldSpec,
         if isinstance(found, str):
             yield found.replace("'grasp'", field.type).replace("'grasp.", "'")
         elif found is not None and path in numbers and (found.array or "/" in found.type):
-            yield f"{path} is {found.spelling}, which is no number"
+            yield f"{path} is {found.spelling}, which isn't a number"
 
 
 def _fits(wanted: Type, field: FieldSpec, port: PortType, sent: bool, fields_of: FieldsOf) -> bool:

@@ -173,7 +173,7 @@ def spliced(before: Trajectory, after: Trajectory, at: float) -> Trajectory:
 
 
 STEP = 0.4
-"""How long a step lasts before it comes to rest, where executors know no going on [s]."""
+"""How long a step lasts before it comes to rest, where executors can't extend a motion [s]."""
 
 Twist = tuple[Sequence[float], Sequence[float]]
 """Linear [m/s] and angular [rad/s] velocity of the grasp frame in world."""

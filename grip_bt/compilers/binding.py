@@ -42,7 +42,7 @@ def implementation_of(path: str, node: model.Leaf, manifest: Manifest) -> Leaf:
     defaults = {name: p.default for name, p in manifest.parameters.items() if not p.required}
     implementation = load_implementation(manifest)
     if not issubclass(implementation, Behaviour):  # before it is called: a manifest may name any class there is
-        reason = f"{implementation.__name__} is no class of nodes; derive it from `grip_bt.nodes.Leaf`"
+        reason = f"{implementation.__name__} isn't a class of nodes; derive it from `grip_bt.nodes.Leaf`"
         raise ImplementationError(manifest.id, manifest.implementation, reason)
     name = path.rsplit("/", 1)[-1] or manifest.id
     return cast(Leaf, implementation(name, path, manifest, {**defaults, **node.with_}, dict(node.meaning)))
@@ -158,7 +158,7 @@ def _maker(path: str, where: str, code: AllowedImports) -> Any:
         return found
     if isinstance(found, type) or not callable(found):
         what = "a class" if isinstance(found, type) else f"a {type(found).__name__}"
-        raise _refused(path, f"{where} is {what}, and no Behaviour of py_trees; name a class of behaviours")
+        raise _refused(path, f"{where} is {what}, not a Behaviour of py_trees; name a class of behaviours")
     if not code.names(where):
         raise _refused(
             path,

@@ -64,7 +64,7 @@ class MoveToPose(KeepingLeaf):
 
 
 LOOK = 0.1
-"""A steered arm is told where to again after so long [s]."""
+"""A steered arm is sent its target again after this time [s]."""
 _IDLE = 0.2
 
 

@@ -16,7 +16,7 @@ from grip_bt.nodes.leaf import OperationLeaf, Status
 from grip_bt.nodes.motion import expect_one, go, go_straight, read_keep, verify_keep
 
 THERE = 0.005
-"""An arm so near to the beginning of a trajectory [rad or m] needn't be led there."""
+"""An arm this near to the start of a trajectory [rad or m] isn't moved there first."""
 
 
 class PlanTo(KeepingLeaf):

@@ -99,7 +99,7 @@ def _opened(mask: Mask) -> Mask:
 
 Hulls = Sequence[NDArray[np.float64]]
 MARGIN = 0.02
-"""A point may be measured so far in front of a hull, or behind it, and is the robot's all the same [m]."""
+"""A point measured this far in front of a hull, or behind it, still counts as the robot's [m]."""
 _NEAREST = 0.02
 """What is nearer to the camera's plane than this has no outline in the image [m]."""
 

@@ -23,7 +23,7 @@ EMPTY = "empty"
 STILL = 1e-3
 """Joints that go a shorter way than this from open to closed [rad or m] don't count."""
 SHIFT = 0.03
-"""What is held may have shifted so far from where the scene has it [m]."""
+"""How far what is held may have shifted from where the scene has it [m]."""
 _VISIBLE = 25
 """Fewer pixels of an object than this tell nothing."""
 

@@ -152,7 +152,7 @@ class Holds(HandLeaf):
         if holds(result):
             return self.end(evidence=evidence)
         against = [one for one in result if one.held is False]
-        text = "; ".join(map(str, against)) or "nothing of the hand says that it holds something"
+        text = "; ".join(map(str, against)) or "nothing shows that the hand holds something"
         agree = [one.name for one in result if one.held]
         if against and agree:
             text += f"; against {' and '.join(agree)}"
@@ -160,7 +160,7 @@ class Holds(HandLeaf):
 
 
 STEP = np.radians(15)
-"""By so much the arm's first joint is turned from one candidate to the next."""
+"""By how much the arm's first joint is turned from one candidate to the next."""
 
 
 class ClearView(ArmLeaf):

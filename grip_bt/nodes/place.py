@@ -40,11 +40,11 @@ from .objects import (
 
 YAWS = np.radians(np.arange(0, 360, 15))
 _TRIES = 4
-"""So many spots are planned for, one after the other; a plan that isn't found costs seconds."""
+"""Spots that are planned for, one after the other; a plan that isn't found costs seconds."""
 _NARROW = 0.01
-"""Opening fingers stay so far from what was placed [m]."""
+"""Distance that opening fingers keep from what was placed [m]."""
 SHIFT = 0.02
-"""What was placed may stand so far from where it is thought to [m]."""
+"""How far what was placed may stand from where it is believed to be [m]."""
 
 
 class Place(ArmHandLeaf):

@@ -15,7 +15,7 @@ from grip_bt.nodes.objects import HELD, SEEN, TABLE_GAP, distances_to_box, regio
 
 Points = NDArray[np.floating]
 KNOWN = 0.01
-"""What is seen so close to a box of the room is the box [m]."""
+"""What is seen this close to a box of the room is the box [m]."""
 
 
 def _clusters_above(points: Points, low: float, high: float, cell: float, min_points: int) -> list[Points]:

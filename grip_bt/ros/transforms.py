@@ -26,7 +26,7 @@ from .frames import FrameError, FrameHistory, FrameTree
 MESSAGE = "tf2_msgs/msg/TFMessage"
 TOPICS = ("/tf", "/tf_static")
 STALE = 10.0
-"""A moving frame that wasn't heard of for so long isn't known any more [s]."""
+"""A moving frame not heard of for this time is unknown [s]."""
 
 
 class Transforms:

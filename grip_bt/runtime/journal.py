@@ -51,7 +51,7 @@ ENTRIES = 4
 LIMIT = 2_000_000
 """Events that may wait for the writer; beyond that, whoever appends waits for it."""
 _INLINE = 512
-"""Values of at most so many bytes stand in the event itself."""
+"""Values of at most this many bytes stand in the event itself."""
 _Key = tuple[str, str, str | None, str | None]
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 _ROW = np.dtype([("name", "<u4"), ("t", "<f8"), ("behind", "<f8")])
 """Of an event: the number of what it is of, its time on the run's clock, and how far the wall's is from that [s]."""
 _SAME = 1e-3
-"""Where the run's clock and the wall's differ by a constant, to so much [s], it is one constant."""
+"""Offsets of the run's clock from the wall's that differ by less than this [s] count as one."""
 
 
 def packed(names: NDArray[np.int64], times: NDArray[np.float64], walls: NDArray[np.float64]) -> bytes:

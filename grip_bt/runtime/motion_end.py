@@ -113,7 +113,7 @@ class Moved:
 
 
 APART = 0.1
-"""Two measurements so far apart tell whether joints stand still [s]."""
+"""Two measurements this far apart tell whether joints stand still [s]."""
 STILL = 2e-3
 """How far joints that stand still may be apart in them [rad or m]."""
 MOVES = 0.05

@@ -27,13 +27,13 @@ Vector = tuple[Finite, Finite, Finite]
 Camera = Literal["blackout", "freeze", "late"]
 FaultKind = Literal["drop", "push", "stuck", "limit", "abort", "light", Camera, "component_death", "component_hang"]
 SLIPPING = 0.5
-"""For so long an object that is dropped passes through hands, where nothing else is said [s]."""
+"""How long a dropped object passes through hands by default [s]."""
 
 
 def rising(span: tuple[float, float]) -> tuple[float, float]:
     """Return a range; ValueError where its first number isn't the smaller one."""
     if not span[0] <= span[1]:
-        raise ValueError(f"from {span[0]:g} to {span[1]:g} is no range: the first number is the smaller one")
+        raise ValueError(f"from {span[0]:g} to {span[1]:g} isn't a range: the first number is the smaller one")
     return span
 
 

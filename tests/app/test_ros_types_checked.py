@@ -46,9 +46,9 @@ def with_component(project, interface, start=""):
     [
         ("sensor_msgs/msg/Image", None),
         ("sensor_msgs/Image", None),
-        ("my_msgs/srv/Do", "'my_msgs/srv/Do' is no message, and a topic carries messages"),
+        ("my_msgs/srv/Do", "'my_msgs/srv/Do' isn't a message, and a topic carries messages"),
         ("sensor_msgs/msg/PointClod2", "has no 'msg/PointClod2'; did you mean 'PointCloud2'?"),
-        ("std_srvs/srv/Trigger", "'std_srvs/srv/Trigger' is no message"),
+        ("std_srvs/srv/Trigger", "'std_srvs/srv/Trigger' isn't a message"),
         ("tf2_msgs/msg/TFMesage", "did you mean 'TFMessage'?"),
         ("std_msgs/msg/Xyz", "has no 'msg/Xyz' (available: std_msgs/msg/Bool, std_msgs/msg/Byte,"),
     ],

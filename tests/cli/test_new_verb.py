@@ -51,7 +51,7 @@ def test_a_new_ros_package_is_called_as_its_folder_and_runs(tmp_path, capsys):
 @pytest.mark.parametrize("name", ["3d", "grüße", "a b"])
 def test_a_folder_that_no_ros_package_can_be_called_as_is_refused(tmp_path, capsys, name):
     assert main(["new", str(tmp_path / name), "--ros"]) == 1
-    assert "a ROS package is called as its folder" in capsys.readouterr().err
+    assert "a ROS package has the name of its folder" in capsys.readouterr().err
     assert not (tmp_path / name).exists()
 
 

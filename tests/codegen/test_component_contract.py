@@ -52,7 +52,7 @@ def test_missing_fields_are_all_named_with_what_is_there():
 
 def test_ports_must_be_fields_and_types_must_exist():
     told = problems(component(ports={"imput": "PointCloud", "input": "PointClud"}), interface())
-    assert "'imput' is no field of the interface; did you mean 'input'?" in told[0]
+    assert "'imput' isn't a field of the interface; did you mean 'input'?" in told[0]
     assert "'PointClud'" in told[1]
 
 

@@ -138,7 +138,7 @@ def test_rules_and_fixed_fields_are_checked_against_the_interface():
         check_contract(wrong, COUNT)
     told = caught.value.problems
     assert "the rule of 'found' reads 'cuont'; did you mean 'count'?" in told[0]
-    assert "fixed: 'modle' is no field of the request; did you mean 'model'?" in told[1]
+    assert "fixed: 'modle' isn't a field of the request; did you mean 'model'?" in told[1]
 
 
 def test_an_interface_without_the_three_fields_is_told_that_rules_would_do():

@@ -169,7 +169,7 @@ def test_samples_are_named_by_run_or_store() -> None:
 
     assert source_of("run:20261121-1/7") == {"run": "20261121-1", "seq": 7}
     assert source_of("messages:poses/bin") == {"store": "poses", "name": "bin"}
-    with pytest.raises(GripError, match="is no sample"):
+    with pytest.raises(GripError, match="isn't a sample"):
         source_of("somewhere/else")
 
 

@@ -380,7 +380,7 @@ def test_an_interface_in_its_own_repository_brings_what_serves_it(
     assert (view["type"], view["server"], view["script"]) == ("seer/srv/Look", "/seer/look", "server.py")
     assert view["problems"] == []
     relative = look(page, type="", text="", file="srv/Look.srv")
-    assert (relative.status_code, "is no path on this machine" in relative.json()["detail"]) == (400, True)
+    assert (relative.status_code, "isn't a path on this machine" in relative.json()["detail"]) == (400, True)
     asked = InterfaceRequest(file=str(repository / "srv/Look.srv"))
     made, home = make(ProjectFolder(project), asked)
     component = yaml.safe_load((home / "component.yaml").read_text())

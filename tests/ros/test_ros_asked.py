@@ -17,7 +17,7 @@ WRONG = {
     "ros/wait_for_message, with: {topic: /x, value: Psoe}": "value: unknown type 'Psoe'; did you mean 'Pose'?",
     "ros/latest_message, with: {topic: /x, type: std_msgs/msg/Strng}": "did you mean 'std_msgs/msg/String'?",
     "ros/wait_for_messages, with: {topics: {/x: std_msgs/msg/String, /y: std_srvs/srv/Empty}}": (
-        "'std_srvs/srv/Empty' is no message: a topic has a type such as 'sensor_msgs/msg/JointState'"
+        "'std_srvs/srv/Empty' isn't a message: a topic has a type such as 'sensor_msgs/msg/JointState'"
     ),
     "ros/publish, with: {topic: /x y, type: std_msgs/msg/Int64}, in: {value: v}": "'/x y' can't name a topic",
     "ros/get_parameter, with: {node: 3d_camera, name: rate}": "'3d_camera' can't name a topic, a service",

@@ -178,8 +178,8 @@ def test_what_makes_no_grasp_is_told_with_its_field(grasp, item, said):
             ("field: width_mm", "field: widht_mm"),
             "TopGrasp has no field 'widht_mm'; did you mean 'width_mm'",
         ),
-        ("pca_top", ("quality: score", "quality: pose"), "pose is geometry_msgs/Pose, which is no number"),
-        ("image_antipodal", ("camera: depth_image", "camera: image"), "'image' is no input with a camera"),
+        ("pca_top", ("quality: score", "quality: pose"), "pose is geometry_msgs/Pose, which isn't a number"),
+        ("image_antipodal", ("camera: depth_image", "camera: image"), "'image' isn't an input with a camera"),
         (
             "cloud_antipodal",
             ("closing: binormal", "closing: -binormel"),
@@ -200,12 +200,12 @@ def test_a_field_that_the_messages_of_a_component_lack_is_told_before_it_runs(co
 @pytest.mark.parametrize(
     ("grasp", "said"),
     [
-        ({"approach": "w"}, "'w' is no axis of a pose: write one of x, y, z, -x, -y, -z"),
+        ({"approach": "w"}, "'w' isn't an axis of a pose: write one of x, y, z, -x, -y, -z"),
         ({"approach": "z", "closing": "-z"}, "two axes at right angles"),
         ({"pose": "pose", "position": "place"}, "`pose` and `position` are two ways to say a grasp"),
         ({"position": "place"}, "`position` needs `approach` and `closing`, fields with a vector each"),
         ({"column": "u", "row": "v", "angle": "t"}, "`column` needs `row`, `angle` and `camera`"),
-        ({"width": {"field": "width", "unit": "px"}}, "width: 'px' is none of its units: m, cm, mm, in"),
+        ({"width": {"field": "width", "unit": "px"}}, "width: 'px' isn't one of its units: m, cm, mm, in"),
         ({"width": {"field": "width", "unit": "yard"}}, "unit"),
         ({"widht": "width"}, "widht"),
     ],

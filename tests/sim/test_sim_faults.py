@@ -88,7 +88,7 @@ def test_a_drop_of_nothing_is_told():
     [
         ({"fault": "push", "of": "mug"}, "the fault `push` needs `by`"),
         ({"fault": "drop", "by": [1, 0, 0]}, "the fault `drop` takes no `by`"),
-        ({"fault": "limit", "of": "j", "between": [1, 0]}, "from 1 to 0 is no range"),
+        ({"fault": "limit", "of": "j", "between": [1, 0]}, "from 1 to 0 isn't a range"),
         ({"fault": "stuck"}, "the fault `stuck` needs `of`: the joint's name"),
         ({"fault": "drop", "chance": 2}, "less than or equal to 1"),
         ({"fault": "drop", "at": [3, 1]}, "no range"),

@@ -43,7 +43,7 @@ class Variant(Settings, populate_by_name=True):
     world: str = ""
     """The simulated world; without it, the project's."""
     object: str = ""
-    """An object of the library, or its file: every object of the world is such a one."""
+    """An object of the library, or its file: every object of the world becomes this one."""
     set: dict[Key, Any] = {}
     """Initial values of the task's variables."""
     mocks: dict[str, Script] = {}
@@ -58,7 +58,7 @@ class StopRule(Settings):
     width: float = Field(gt=0, lt=1)
     """When Wilson's 95 % interval of its success rate is no wider than this,"""
     least: int = Field(default=20, ge=2)
-    """and it was tried at least so often."""
+    """and it was tried at least this often."""
 
 
 class CampaignFile(Settings):

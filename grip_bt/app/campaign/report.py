@@ -18,7 +18,7 @@ from grip_bt.base.types import JsonObject
 PER_VARIANT = ("task sha256", "project sha256")
 """What may differ from variant to variant."""
 ALPHA = 0.05
-"""What is less likely than this by chance is called a difference."""
+"""Significance level: what chance makes less likely than this is called a difference."""
 
 
 def as_text(results: Results) -> str:

@@ -161,7 +161,7 @@ def _append(path: Path, row: Mapping[str, object] | TrialRow) -> None:
 
 
 PACKAGES = ("grip-bt", "numpy", "sapien", "pin", "coal", "ompl", "toppra", "opencv-python", "py-trees")
-"""Whose versions are told: what results depend on."""
+"""Packages whose versions are recorded: those that results depend on."""
 MEASURED = ("run_started", "state")
 """Events that tell of the process and not of the run."""
 

@@ -30,11 +30,11 @@ from grip_bt.runtime.motion_end import Rest
 
 _Trial = tuple[str, int]
 MOST = 500
-"""A process executes so many trials."""
+"""Trials that one process executes."""
 _WRONG = ("error", "timed_out")
 _Compile = Callable[..., Callable[[], object]]
 WAKE = 0.2
-"""How often who waits for the trials looks up [s]: a Ctrl-C that another thread is given by the system wakes nobody."""
+"""How often the wait for trials looks up [s]: a Ctrl-C that the system gives to another thread wakes nobody."""
 
 
 class Trials:

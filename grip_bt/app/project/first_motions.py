@@ -135,7 +135,7 @@ PLACES = tuple(product((0.45, 0.38, 0.55, 0.65), (0.1, -0.1, 0.25, -0.25)))
 BENCH = SceneSnapshot().with_object(SceneObject("bench", Box((0.7, 1.2, 0.1)), Pose([0.65, 0.0, -0.05]), fixed=True))
 APPROACH, LIFT = 0.1, 0.15
 GAP = 0.04
-"""How far above the bench finger tips stay that come from above [m]."""
+"""Height above the bench that fingertips keep when they come from above [m]."""
 BLOCK, CAN = "model: block", "shape: cylinder, radius: 0.03, height: 0.15, mass: 0.2"
 BESIDE_CAN = np.array([0.018, 0.0, 0.034])
 """The can's axis in the grasp frame of a palm that takes it from the side, `PALM_HEIGHT` above the bench [m]."""

@@ -232,7 +232,7 @@ def ros_files(folder: Path) -> dict[str, str]:
     name = folder.resolve().name.lower().replace("-", "_")
     if not re.fullmatch("[a-z][a-z0-9_]*", name):
         rule = "letters, digits and underscores, a letter first"
-        raise GripError(f"{folder}: a ROS package is called as its folder, and {name!r} isn't a name of one: {rule}")
+        raise GripError(f"{folder}: a ROS package has the name of its folder, and {name!r} isn't a name of one: {rule}")
     return {
         "package.xml": (_ROS_TEMPLATE / "package.xml").read_text(encoding="utf-8").replace("NAME", name),
         "setup.py": (_ROS_TEMPLATE / "setup.py.in").read_text(encoding="utf-8"),

@@ -44,7 +44,7 @@ _log = logging.getLogger(__name__)
 Target = Literal["bt", "sm"]
 MOST_SEED = 2**32 - 1
 WATCHDOG = 10.0
-"""How long a tick, or the whole process, may hang before a run is ended, unless it is said otherwise [s]."""
+"""How long a tick, or the whole process, may hang before a run is ended, unless told otherwise [s]."""
 
 
 @dataclass(frozen=True)

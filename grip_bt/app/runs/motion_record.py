@@ -34,13 +34,13 @@ if TYPE_CHECKING:
 
 FOLDER = "motion"
 PERIOD = 0.1
-"""How often is looked [s]."""
+"""Sampling interval [s]."""
 MOVED = 2e-4
-"""What changes less isn't told [rad or m]."""
+"""Smaller changes aren't recorded [rad or m]."""
 WAY_POINTS = 32
-"""As so many points is the way of a motion told."""
+"""Points by which the path of a motion is recorded."""
 LARGEST = 1 << 26
-"""Where a file ends [bytes]: at full tilt after about an hour."""
+"""Largest size of a file [bytes]: about an hour of constant motion."""
 KEPT = 50
 """How many runs' files are kept, the newest ones."""
 

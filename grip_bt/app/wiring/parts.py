@@ -22,7 +22,7 @@ from grip_sim.simulation import SimReferee, Simulation
 Progress = Callable[[str, str], None]
 """Told `(part, detail)` as parts come up."""
 SOON = 1.5
-"""What takes no longer needs no words [s]."""
+"""What takes no longer isn't reported [s]."""
 
 
 def silent(part: str, detail: str) -> None:

@@ -28,7 +28,7 @@ from grip_sim.specs import CameraSpec
 JOINT_STATES = "/joint_states"
 PACKAGES = ("control_msgs", "controller_manager_msgs", "grip_msgs", "simulation_interfaces", "tf2_msgs")
 LONG = 60.0
-"""So long a piece of simulated time is waited for at once [s]; nothing happens between two pieces."""
+"""Simulated time is waited for in pieces of this length [s]; nothing happens between two of them."""
 
 
 @dataclass(frozen=True)

@@ -157,7 +157,7 @@ def _trajectory(
 
 
 _EDITABLE = 2000
-"""Most numbers and texts of a message that is written as text."""
+"""Largest number of values in a message that is written as text."""
 
 
 def text_of(value: object, digits: int | None = None) -> str:

@@ -62,7 +62,7 @@ def with_states(srdf: Srdf, config: RobotConfig, tree: Tree) -> tuple[Srdf, list
 
 
 TURNS = 2 * math.pi
-"""A continuous joint is planned with within so much [rad] to both sides."""
+"""A continuous joint is planned within this on both sides [rad]."""
 
 
 def normal(
@@ -143,7 +143,7 @@ def _with_limits(joint: ET.Element, override: JointLimits) -> None:
 
 
 RISE = 0.5
-"""A joint without an acceleration limit reaches its velocity limit in so many seconds."""
+"""A joint without an acceleration limit reaches its velocity limit in this time [s]."""
 
 
 def build(

@@ -28,7 +28,7 @@ SHAPES = {
     "sphere": [("radius", 1)],
     "mesh": [("scale", 3)],
 }
-"""Shape -> its sizes, and of how many numbers each is."""
+"""Shape -> its sizes, and how many numbers each takes."""
 FORMATS = (".dae", ".obj", ".ply", ".stl")
 NO_SPEED = {"rad": 1.0, "m": 0.1}
 """Velocity limits [rad/s, m/s] of joints that have none."""

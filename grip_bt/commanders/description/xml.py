@@ -93,7 +93,7 @@ def required(element: ET.Element, attribute: str, source: str = "") -> str:
 
 
 TIME = 30.0
-"""After so long a file won't end any more [s]; large robots take one or two."""
+"""A file that takes longer never ends [s]; large robots take one or two."""
 MODULE = "grip_bt.commanders.description.xacro_process"
 
 

@@ -29,7 +29,7 @@ takes nothing off: there the held object keeps the margin too, else it would bru
 """
 _ENOUGH_FOR_THREADS = 64
 _ONE_BY_ONE = 24
-"""Of configurations that are all to be free, so many are looked at in turn: mostly one of these is found out."""
+"""Of configurations that all have to be free, this many are checked first: mostly one of these collides."""
 _Pool: TypeAlias = pin.TreeBroadPhaseManagerPool_DynamicAABBTreeCollisionManager
 
 

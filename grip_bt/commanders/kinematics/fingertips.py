@@ -129,7 +129,7 @@ class _Tips:
 
 
 _OPPOSED = 0.02
-"""Fingers whose tips are so much further from the thumb's than the nearest don't oppose it [m]."""
+"""Fingers whose tips are this much further from the thumb's than the nearest don't oppose it [m]."""
 _PROBE, _SLACK, _STEP, _DEEPEST = 0.012, (-0.001, 0.005), 0.004, 0.12
 """A bar is pushed in between the fingers: its thickness, how much thinner it is than the gap on each side, for links
 that are to stay clear of things and for tips, which may be round, its steps, and its way [m]."""

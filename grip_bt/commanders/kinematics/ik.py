@@ -61,7 +61,7 @@ def _numbers(values: Iterable[float]) -> str:
 _TIME = 0.005
 """Longest time of one attempt [s]; TRAC-IK's own default."""
 _NEAR = 0.3
-"""A seed whose grasp frame is this near the target [m + rad] is gone down from before the race."""
+"""A seed whose grasp frame is this near the target [m + rad] is descended from before the race."""
 _PRECISION = 1e-5
 """Largest error in each direction [m, rad]: the norm of six of them stays below our tolerance."""
 

@@ -203,9 +203,9 @@ def _searched_and_timed(
 
 
 DAMPING = 1e-4
-"""Of the pseudo-inverse of the Jacobian: near singular configurations joints would else become too fast."""
+"""Of the pseudo-inverse of the Jacobian: near singular configurations joints would otherwise become too fast."""
 AMISS = 0.3
-"""A twist of which more than this part can't be had isn't begun."""
+"""A twist isn't begun when more than this part of it can't be followed."""
 
 
 def plan_servo_step(model: RobotModel, request: PlanServoStep) -> Trajectory:

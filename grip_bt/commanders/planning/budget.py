@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 BACKSTOP = 20.0
-"""Wall time ends a search at so many times its budget, however little of it was worked."""
+"""Wall time ends a search at this many times its budget, however little CPU time it got."""
 RATE = 4000.0
 """Checks of motions that stand for a second where searches share work: about half of what one core gets through."""
 

@@ -25,7 +25,7 @@ some 0.05 mm, counts as touching."""
 _NEEDS = (0.03, 0.008, 0.002)
 """Pieces are made so short, one level after the other, that nothing moves further than this from their middles [m]."""
 _GROUPS = 3
-"""Middles are asked about in groups of alike needs: a clearance is set for a whole group."""
+"""Middles are asked about in groups of similar needs: a clearance is set for a whole group."""
 
 Curve = Callable[[Array], Path]
 """Parameters, shape (m,) -> configurations, shape (m, n)."""

@@ -29,7 +29,7 @@ _RESTARTS = 10
 _WARM = 3
 _SOLUTIONS = 4
 _PATIENCE = 1.0
-"""Work for the way to one configuration, as checks that stand for so long [s]."""
+"""Work for the way to one configuration, as checks that stand for this time [s]."""
 _LONGEST = 10.0
 """CPU time after which the search for it ends the whole choice [s]."""
 

@@ -95,9 +95,9 @@ def closer(chain: Chain, path: Path, times: int) -> Path:
 
 T = TypeVar("T")
 OFF = 1e-3
-"""A straight motion is at most so far off its line [m]."""
+"""Largest distance of a straight motion from its line [m]."""
 TURNED = 0.01
-"""Its orientation is at most so far from those on the line [rad]."""
+"""Largest angle between its orientation and those on the line [rad]."""
 FINER = (1, 2, 4, 8, 16)
 """How many times closer than usual configurations on a line are set, one after the other."""
 _BEND = 0.1

@@ -35,11 +35,11 @@ from grip_bt.commanders.trajectory.splines import joined
 SMALLEST = 1e-3
 """A smaller blend isn't worth it: the arm comes to rest at the point [m]."""
 OUTSIDE = 1e-4
-"""A rounded corner may be so far outside the ball [m]."""
+"""How far a rounded corner may be outside the ball [m]."""
 _SPACING = 0.06
 _SAME = 1e-4
 _CLOSE = 0.01
-"""Rows of a segment so near to a blend [rad] are left out: the spline through both would bend."""
+"""Rows of a segment this near to a blend [rad] are left out: the spline through both would bend."""
 
 
 class Leg:

@@ -12,9 +12,9 @@ from grip_bt.base.failures import OutOfLimitsError
 from grip_bt.base.values import JointState, Trajectory
 
 ROUNDED = 1e-3
-"""Limits may be exceeded by this part, those of positions by so much [rad or m]: numbers in files are rounded."""
+"""Limits may be exceeded by this part, those of positions by this much [rad or m]: numbers in files are rounded."""
 _PERIOD, _MOST = 1e-3, 100_000
-"""Trajectories are looked at every so often [s], at no more times than that, and on both sides of each point."""
+"""Trajectories are checked at this interval [s], at no more times than that, and on both sides of each point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ def _all_along(trajectory: Trajectory) -> tuple[Array, Array, Array, Array]:
 STILL = 0.01
 """Joints slower than this are at rest [rad/s or m/s], as for joint_trajectory_controller."""
 OVER = 0.1
-"""For so long by the stamps of what is measured [s]."""
+"""For this long, by the stamps of what is measured [s]."""
 TOLD = 0.05
 """Velocities that are published are noisy: only larger ones tell that a joint moves [rad/s or m/s]."""
 

@@ -18,11 +18,11 @@ from grip_bt.base.values import Trajectory
 from .splines import peaks, s_curve
 
 ACCELERATION = 2.0
-"""Of a joint whose limit nobody says [rad/s^2 or m/s^2]."""
+"""Deceleration of a joint without a stated limit [rad/s^2 or m/s^2]."""
 ANY = 1e6
-"""Jerk of a joint whose limit nobody says [rad/s^3 or m/s^3]."""
+"""Jerk of a joint without a stated limit [rad/s^3 or m/s^3]."""
 LATER = 0.14
-"""Coming to rest on the path may take so much longer than each joint by itself takes [s]."""
+"""Coming to rest on the path may take this much longer than each joint takes by itself [s]."""
 _STEP = 0.01
 """Time between two points of a ramp beside the path [s]."""
 _SLOW = 1e-5

@@ -34,7 +34,7 @@ _TINY = 1e-9
 """Joints that move less than this part of the path count as ones that move as much."""
 _SPACINGS = (0.25, 0.12, 0.06, 0.03)
 _SLOWER = (1.0, 1.25, 1.6, 2.0, 3.0, 5.0)
-"""Where keeping to a jerk leads too far off the path, times are made so much longer, one after the other."""
+"""Where keeping to a jerk leads too far off the path, times are made this much longer, one after the other."""
 
 
 def timed(

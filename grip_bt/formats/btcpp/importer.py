@@ -36,7 +36,7 @@ _MOST_READINGS = 5
 _LATE = ("RetryUntilSuccessful", "Repeat")
 _ASKS_AGAIN = ("ReactiveSequence", "ReactiveFallback", "WhileDoElse", "Parallel", "ParallelAll", "PipelineSequence")
 _FAMILY = {"SequenceStar": "SequenceWithMemory", **{f"Switch{n}": "Switch" for n in range(2, 7)}}
-"""Tag -> the control node that follows its rules, where that is called otherwise."""
+"""Tag -> the control node that follows its rules, where that has another name."""
 
 
 def from_xml(

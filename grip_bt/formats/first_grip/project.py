@@ -202,7 +202,7 @@ def _arm(group: str, said: Mapping[str, object], issues: Issues) -> dict[str, ob
         if isinstance(value, int | float) and not isinstance(value, bool) and value > 0:
             made[name] = int(value) if name == "attempts" else float(value)
         elif value is not None:
-            issues.add("incomplete", group, f"{key} is {value!r} and no number above 0; the default is used")
+            issues.add("incomplete", group, f"{key} is {value!r} and not a number above 0; the default is used")
     return made
 
 

@@ -233,7 +233,7 @@ def _number(steps: _Steps, slot: str, pattern: str, unit: str = "") -> float | N
         return None
     if re.fullmatch(pattern, text):
         return float(text)
-    steps.note("incomplete", f"`{slot}` is {text!r} and no number{unit}")
+    steps.note("incomplete", f"`{slot}` is {text!r} and not a number{unit}")
     return None
 
 

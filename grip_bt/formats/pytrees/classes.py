@@ -47,7 +47,7 @@ def convert_behaviour(behaviour: Behaviour, keys: Keys | None = None) -> NodeSet
     known = _KNOWN.get(_does_as(cls))
     if known is not None:
         return known(behaviour, keys or NoKeys())
-    raise NoEquivalentError(f"{cls.__module__}.{cls.__name__} is no class that a task has")
+    raise NoEquivalentError(f"{cls.__module__}.{cls.__name__} isn't a class that a task has")
 
 
 def _does_as(cls: type[Behaviour]) -> type[Behaviour]:

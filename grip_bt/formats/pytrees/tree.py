@@ -263,7 +263,7 @@ def foreign_node(behaviour: Behaviour, name: str) -> dict[str, object]:
     if cls.__module__ == "__main__" or found is not cls:
         raise NoEquivalentError(f"{cls.__qualname__} can't be imported by a name")
     if behaviour.children:
-        raise NoEquivalentError(f"{where} has children, and is no class that a task has")
+        raise NoEquivalentError(f"{where} has children, and isn't a class that a task has")
     args: dict[str, object] = {}
     for parameter in inspect.signature(cls).parameters.values():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):

@@ -179,7 +179,7 @@ class _Builder:
         if len(by_class) == 1:
             return by_class[0]
         ids = [known.replace("/", ".") for known in self.catalog.ids()]
-        raise element.error(f"no node of the catalogue is called so{nearest(element.tag, ids)}")
+        raise element.error(f"the catalogue has no such node{nearest(element.tag, ids)}")
 
 
 _TARGET, _HIDDEN = "py_trees' XML", "__DOT__"

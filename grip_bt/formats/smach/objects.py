@@ -84,7 +84,7 @@ def from_machine(machine: object, name: str = "machine", *, catalog: Catalog | N
         return FromMachine(to_task(machine), catalog or Catalog.builtin(), implementation_of)
     if not isinstance(machine, Container):
         raise GripError(
-            f"a {type(machine).__name__} is no container of grip_bt.smach_compat: give a StateMachine, Sequence,"
+            f"a {type(machine).__name__} isn't a container of grip_bt.smach_compat: give a StateMachine, Sequence,"
             " Concurrence or Iterator (of `smach` after smach_compat.install()), or what to_machine returned"
         )
     name = task_name(name)

@@ -73,7 +73,7 @@ class TaskMaker:
         if guessed := self.leaves.meanings.guessed(self.root.outcomes or ()):
             self.root.problem(
                 "note",
-                f"`{guessed}` is taken for success, as no outcome is called so; --success NAME says otherwise",
+                f"`{guessed}` is taken for success, as no outcome has that name; --success NAME says otherwise",
             )
         on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}
         node = node.model_copy(update={"on": FrozenDict(on)})

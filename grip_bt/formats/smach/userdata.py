@@ -209,7 +209,7 @@ def iteration_of(found: ContainerInfo) -> Iteration:
     except ValueError as error:
         raise RefusedError(f"its items are `{error}`, known only at run time") from None
     if not isinstance(items, list):
-        raise RefusedError("its items are no list")
+        raise RefusedError("its items aren't a list")
     loop, leave, mapped = settings["loop_outcomes"], settings["break_outcomes"], settings["final_outcome_map"]
     exhausted = settings["exhausted_outcome"]
     known = added.state.outcomes

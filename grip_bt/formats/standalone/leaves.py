@@ -68,7 +68,7 @@ def leaf(part: Part, builder: ModuleBuilder, builtin: Catalog) -> Bracketed:
         raise NotExpressibleError(part.path, what, TARGET)
     odd = [name for name in parameters if not name.isidentifier() or keyword.iskeyword(name)]
     if odd:
-        raise NotExpressibleError(part.path, f"the parameter {odd[0]!r}, which is no name in Python,", TARGET)
+        raise NotExpressibleError(part.path, f"the parameter {odd[0]!r}, which isn't a name in Python,", TARGET)
     return call(_imported(manifest, builder), part.name, **parameters)
 
 

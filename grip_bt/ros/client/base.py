@@ -20,7 +20,7 @@ from .graph import SETTLE, STALE, TRUST, check_servers, endpoints_of, gids_of, i
 from .types import InterfaceType, Message, type_name
 
 IN_FLIGHT = 8
-"""Requests sent and not yet answered at once: a server keeps the last 10, and drops others without a word."""
+"""Requests sent and not yet answered at once: a server keeps the last 10, and drops others silently."""
 
 
 @dataclass(eq=False)

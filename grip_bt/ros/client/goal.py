@@ -33,7 +33,7 @@ RECANCEL = 0.5
 """After which time without an answer a cancel request is sent again [s]."""
 REASK = 0.5
 """How long the result may take after the server published that the goal has ended, until it is asked for again [s]:
-a server keeps the last 10 requests and drops others without a word."""
+a server keeps the last 10 requests and drops others silently."""
 NEVER_CAME = 30.0
 """For how long a server must say that it doesn't know an orphaned goal until it is believed [s]: it may have it in
 hand, not taken yet."""

@@ -31,8 +31,8 @@ from .types import InterfaceType
 LOOKING = 5.0
 """How long one look at the graph may take [s]."""
 SETTLE = 0.1
-"""What was found is all there when nothing new was seen for so long [s]: of a server's parts, some are seen before
-others. A server is sent nothing sooner: it has to know our ear too, or its first answer is lost."""
+"""Discovery is complete when nothing new was seen for this time [s]: of a server's parts, some are seen before
+others. A server is sent nothing sooner: it has to have found our reader too, or its first answer is lost."""
 
 
 @dataclass(frozen=True, slots=True)

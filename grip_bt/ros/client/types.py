@@ -75,7 +75,7 @@ def load_message(name: str) -> InterfaceType:
         GripError: it is of a service or an action, or there is no such type; see `load_type`.
     """
     if name.count("/") == 2 and name.split("/")[1] != "msg":
-        raise GripError(f"{name!r} is no message: a topic has a type such as 'sensor_msgs/msg/JointState'")
+        raise GripError(f"{name!r} isn't a message: a topic has a type such as 'sensor_msgs/msg/JointState'")
     return load_type(name)
 
 

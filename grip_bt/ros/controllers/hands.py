@@ -31,7 +31,7 @@ ACTION = "control_msgs/action/GripperCommand"
 UNKNOWN_FORCE = 1.0
 """Force of a contact where none is measured [N]: that there is one, not how strong."""
 STOPPED_SHORT = 0.05
-"""A joint that stays so far from where it was sent [rad] was stopped by something."""
+"""A joint that stays this far from where it was sent [rad] was stopped by something."""
 SHORT_SLIDING = 3e-3
 """The same of a joint that slides, and of grippers [m]."""
 GAVE_WAY = 2e-3

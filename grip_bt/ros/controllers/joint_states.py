@@ -19,7 +19,7 @@ from ..convert_values import seconds
 
 MESSAGE = "sensor_msgs/msg/JointState"
 STALE = 1.0
-"""A joint that wasn't heard of for so long [s] isn't known any more, where nothing else is said."""
+"""A joint not heard of for this time [s] is unknown, unless configured otherwise."""
 OURS = 1.0
 """A publisher whose stamps are no further from our date than this [s] is taken to have our clock."""
 LAG_KEPT = 5.0

@@ -27,9 +27,9 @@ START_TOLERANCE = 0.05
 """A trajectory begins within this distance of where the joints are [rad or m]."""
 
 REACHED = 1e-3
-"""Joints so near to the last set-point are there [rad or m]."""
+"""Joints this near to the last set-point have reached it [rad or m]."""
 STILL = 0.3
-"""Joints that were measured where they are for so long don't come nearer to it [s]."""
+"""Joints that were measured at one place for this time don't come nearer to it [s]."""
 MOVED = 1e-4
 """A joint that moved less between two measurements stood still [rad or m]."""
 SETTLE = 3.0

@@ -31,7 +31,7 @@ PERIOD = 0.01
 BEHIND = 0.5
 """How far joints, or what is heard of them, may be behind the set-points [s] and still count as on their way."""
 END_TOLERANCE = 0.05
-"""A motion has succeeded when the joints come to rest so near to its end [rad or m]."""
+"""A motion has succeeded when the joints come to rest this near to its end [rad or m]."""
 
 
 class StreamedMotion:

@@ -169,7 +169,7 @@ def user_code(
 ) -> UserCode:
     """Take a callback: its keys are those it declares, and then the state has them too, else the state's own."""
     if cb and not callable(cb):
-        raise InvalidStateError(f"The {what} given to {type(state).__name__} is no function: {cb!r}")
+        raise InvalidStateError(f"The {what} given to {type(state).__name__} isn't a function: {cb!r}")
     if not has_smach_interface(cb):
         return UserCode(cb, args, kwargs, *keys)
     inputs, outputs = cb.get_registered_input_keys(), cb.get_registered_output_keys()

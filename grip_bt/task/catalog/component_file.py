@@ -102,14 +102,14 @@ class GraspFields(Settings):
         if way == "position" and not {*said}.isdisjoint(AXES):
             raise ValueError("`position` needs `approach` and `closing`, fields with a vector each: it has no axes")
         if way == "pose" and (wrong := [axis for axis in said if axis not in AXES]):
-            raise ValueError(f"{wrong[0]!r} is no axis of a pose: write one of {', '.join(AXES)}")
+            raise ValueError(f"{wrong[0]!r} isn't an axis of a pose: write one of {', '.join(AXES)}")
         if way == "pose" and said[0][-1] == said[1][-1]:
             raise ValueError("`approach` and `closing` are two axes at right angles, such as z and y")
         widths = (*LENGTHS, "px") if way == "column" else LENGTHS
         units = {"angle": ("rad", "deg"), "width": widths, "depth": LENGTHS}
         for name, number in self.numbers().items():
             if number.unit not in (None, *units.get(name, ())):
-                raise ValueError(f"{name}: {number.unit!r} is none of its units: {', '.join(units.get(name, ()))}")
+                raise ValueError(f"{name}: {number.unit!r} isn't one of its units: {', '.join(units.get(name, ()))}")
         return self
 
     def numbers(self) -> dict[str, Number]:
@@ -286,7 +286,7 @@ class ComponentFile(Settings):
     """One external component."""
 
     name: Identifier
-    """As its folder is called; its node is `component/NAME`."""
+    """The name of its folder; its node is `component/NAME`."""
     doc: str = ""
     interface: _InterfaceName
     """Type of the service, action or message, such as `antipodal_interfaces/srv/ProposeGrasps`."""

@@ -42,7 +42,7 @@ class Parameter(_ManifestPart):
     doc: str = ""
     default: object = None
     names: Names | None = None
-    """What of the project it names, so that names that aren't there are told before a run."""
+    """What of the project it names, so that names that don't exist are reported before a run."""
 
     @property
     def required(self) -> bool:

@@ -80,7 +80,7 @@ def missing_type(type_: str, packages: Collection[str], where: str = "", message
     name = rest if "/" in rest else f"msg/{rest}"
     lead = f"{where}: " if where else ""
     if message and "/" in name and not name.startswith("msg/"):
-        said = f"{lead}{type_!r} is no message, and a topic carries messages"
+        said = f"{lead}{type_!r} isn't a message, and a topic carries messages"
         return Problem(MISSING_PACKAGE, said, "name its message, or wrap it as a component: `grip component add`")
     if not known or name in known:
         return None

@@ -255,7 +255,7 @@ class RosRobotConfig(Settings):
     ready: float = Field(default=10.0, gt=0)
     """How long the robot may take to be there [s]."""
     stale: float = Field(default=1.0, gt=0)
-    """A joint without a message for so long [s] is unknown, and a motion that needs it ends."""
+    """A joint without a message for this time [s] is unknown, and a motion that needs it ends."""
 
     @model_validator(mode="before")
     @classmethod

@@ -18,7 +18,7 @@ from .paste import fresh_name
 from .steps import Place
 
 _SHOWN = 3
-"""So many names of several are in a title; the others are counted."""
+"""Names that a title lists; further ones are counted."""
 
 
 class Wrap(BaseCommand):

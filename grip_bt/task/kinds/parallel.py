@@ -16,7 +16,7 @@ from ..parts import Meaning, Name, Shape
 from .base import ChildEnds, Composite, End, Ended, Questions, Run, Shown, State, Stay, Step
 
 FEW = 50
-"""Ends of children, each with each, up to which all ways of a parallel are listed: three children of two ends, say."""
+"""Combinations of children's ends up to which all ways of a parallel are listed: of three children of two ends, say."""
 
 
 class ParallelRule(Shape):
@@ -70,7 +70,7 @@ class Parallel(Composite):
     policy: Literal["all", "any"] = "all"
     rules: list[ParallelRule] = Field(default_factory=list)
     wait_for: Literal["all", "any"] | Annotated[int, Field(ge=1)] | list[Name] | None = None
-    """Who has to have ended before anything is decided: all, one, so many, or these; then it is decided."""
+    """Who has to have ended before anything is decided: all, one, this many, or these; then it is decided."""
     cancel: Literal["halt", "ask", "join"] = "halt"
     retick: bool = False
     """Children that have ended are activated again on every tick, until it is decided."""

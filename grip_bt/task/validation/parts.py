@@ -305,6 +305,6 @@ def _no_class(code: AllowedImports, where: str) -> Problem | None:
     if kind is None or kind == "class" or code.names(where):
         return None
     if not code.is_third_party(where):
-        return Problem("unknown-behaviour", f"{where!r} is no behaviour of py_trees", "name one of its classes")
+        return Problem("unknown-behaviour", f"{where!r} isn't a behaviour of py_trees", "name one of its classes")
     said = f"{where!r} is a function, which is called only if the project lists it by its name"
     return Problem("unknown-behaviour", said, f"if you trust it, list it in grip.yaml: `code: [{where!r}]`")

@@ -143,7 +143,7 @@ def _child(analysis: TaskAnalysis, placed: PlacedNode, where: Key, name: str) ->
     if child is None:
         hint = nearest(name, placed.children)
         analysis.add(
-            placed.path, where, "unknown-child", f"{name!r} is no child{hint} (available: {listing(placed.children)})"
+            placed.path, where, "unknown-child", f"{name!r} isn't a child{hint} (available: {listing(placed.children)})"
         )
     return child
 

@@ -210,7 +210,7 @@ def source_of(sample: str) -> dict[str, Any]:
         return {"run": first, "seq": int(second)}
     if kind == "messages" and second:
         return {"store": first, "name": second}
-    raise GripError(f"{sample!r} is no sample; there are run:RUN/SEQ and messages:STORE/NAME")
+    raise GripError(f"{sample!r} isn't a sample; there are run:RUN/SEQ and messages:STORE/NAME")
 
 
 def _written(journal: Path) -> Iterable[tuple[str, Sample]]:

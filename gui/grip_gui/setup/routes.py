@@ -256,7 +256,7 @@ def _found(folder: ProjectFolder, request: InterfaceRequest) -> Iterator[Wish]:
     """Give the interface: of a repository's file, an installed type, or a package made of what was pasted."""
     if request.file:
         if "\0" in request.file or not Path(request.file).is_absolute():
-            raise GripError(f"{request.file!r} is no path on this machine")
+            raise GripError(f"{request.file!r} isn't a path on this machine")
         yield served_in(from_file(Path(request.file)))
         return
     name = _TYPE.match(request.type.strip())

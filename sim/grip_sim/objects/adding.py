@@ -20,7 +20,7 @@ from grip_bt.base.errors import DocumentError, GripError
 from grip_sim.cameras.mesh_files import FORMATS, joined, read_mesh
 
 DENSITY = 400.0
-"""Of things of which nobody says a mass: between wood and hollow plastic [kg/m^3]."""
+"""Density of things without a stated mass: between wood and hollow plastic [kg/m^3]."""
 SIZES = (0.005, 1.0)
 """Least and greatest length of something that a hand may grasp [m]."""
 THRESHOLD, PARTS = 0.05, 32

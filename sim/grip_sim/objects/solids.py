@@ -15,7 +15,7 @@ from grip_bt.base.values.pose import Pose, quaternion_of
 from .model import ObjectFile, SolidConfig
 
 THIN = 1e-5
-"""A part thinner than this is none to physics [m]."""
+"""The physics can't use parts thinner than this [m]."""
 
 
 def extent_of(file: ObjectFile, path: Path) -> tuple[float, float]:

@@ -103,7 +103,7 @@ def stuck() -> Behaviour:
 @pytest.mark.parametrize(
     ("node", "why"),
     [
-        (lambda: decorators.RunningIsSuccess("x", stuck()), "RunningIsSuccess is no class that a task has"),
+        (lambda: decorators.RunningIsSuccess("x", stuck()), "RunningIsSuccess isn't a class that a task has"),
         (lambda: decorators.Condition("x", stuck(), Status.RUNNING), "a Condition that waits for RUNNING"),
         (lambda: decorators.EternalGuard("x", stuck(), lambda: stuck() is None), "its condition is a Python function"),
         (lambda: composites.Parallel("x", ParallelPolicy.SuccessOnSelected([])), "SuccessOnSelected"),
@@ -159,7 +159,7 @@ def test_a_behaviour_that_can_be_made_again_is_kept_as_it_is() -> None:
     ("behaviour", "why"),
     [
         (lambda: Odd([], "x", 2.0, twice=True), "made again its 'later' would be another"),
-        (lambda: behaviours.BlackboardToStatus("x", "key"), "BlackboardToStatus is no class that a task has"),
+        (lambda: behaviours.BlackboardToStatus("x", "key"), "BlackboardToStatus isn't a class that a task has"),
         (lambda: behaviours.SetBlackboardVariable("x", "key.attribute", 1, True), "is an attribute of what is on"),
         (lambda: behaviours.SetBlackboardVariable("x", "key", object(), True), "or an object"),
     ],

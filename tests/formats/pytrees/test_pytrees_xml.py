@@ -186,7 +186,7 @@ def test_what_the_xml_cannot_say_is_refused_by_name(root: dict[str, Any], what: 
         (xml("<Retry><flow.fail/></Retry>"), "needs num_failures"),
         (xml("<Retry num_failures='{n}'><flow.fail/></Retry>"), "is a variable; it has to be a constant"),
         (xml("<Inverter/>"), "needs one node inside, and has 0"),
-        (xml("<flow.fial/>"), "no node of the catalogue is called so.*flow.fail"),
+        (xml("<flow.fial/>"), "the catalogue has no such node.*flow.fail"),
         (xml("<flow.fail code='{k}'/>"), "takes only a literal for 'code'"),
         (xml("<flow.fail code='a{k}'/>"), "isn't a key"),
         (xml("<flow.fail><flow.fail/></flow.fail>"), "is a leaf"),

@@ -134,7 +134,7 @@ def test_what_has_no_equal_is_one_leaf_or_refused_with_words():
     assert "imported as one leaf that runs the original container: its `outcome_cb` decides" in made.issues[0].message
     with pytest.raises(GripError, match=r"no exact equivalent:\n.*: its `outcome_cb` decides"):
         grip_bt.from_machine(inner)
-    with pytest.raises(GripError, match="a dict is no container of grip_bt.smach_compat"):
+    with pytest.raises(GripError, match="a dict isn't a container of grip_bt.smach_compat"):
         grip_bt.from_machine({})
     broken = smach.StateMachine(["over"])
     with broken:
