@@ -10,7 +10,7 @@ import yaml
 from robot_files import description_package, moveit_package
 
 from grip_bt.app.project.folder import ArmConfig, find_project
-from grip_bt.app.wiring.commanders import planners_in_force, settings_of
+from grip_bt.app.wiring.commanders import settings_of
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.description.config import RobotConfig
@@ -65,12 +65,12 @@ def test_a_solver_that_is_not_there_is_told_before_anything_is_asked(tmp_path):
         settings_of(ArmConfig(group="manipulator", kinematics="trac"), robot(tmp_path), seed=0)
 
 
-def test_the_planner_that_is_told_at_the_start_of_a_run_is_the_one_in_force(tmp_path):
+def test_the_planner_of_a_group_is_the_one_of_its_moveit_package(tmp_path):
     package(tmp_path)
     (tmp_path / "grip.yaml").write_text(
         "grip: 1\nrobot: {moveit: smally_moveit_config}\narms: {a: {group: manipulator}}\n"
     )
-    assert planners_in_force(find_project(tmp_path), robot(tmp_path)) == "PRM"
+    assert settings_of(find_project(tmp_path).file.arms["a"], robot(tmp_path), seed=0).planner == "PRM"
 
 
 def test_what_is_not_here_is_said_and_the_usual_taken(tmp_path):

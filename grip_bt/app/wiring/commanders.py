@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.app.project.faults import TAUGHT, check, common_states, faults_of_fields, faults_of_parts, field_of
-from grip_bt.app.project.folder import ArmConfig, Project
+from grip_bt.app.project import faults
+from grip_bt.app.project.folder import ArmConfig, Project, ProjectFile
+from grip_bt.app.project.worlds import regions_of, room_of, world_of
 from grip_bt.app.wiring.parts import Opening, Resources, load_part
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import SensorError
@@ -41,14 +42,12 @@ from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.scene_state import HandMount, SceneObject
 from grip_bt.commanders.settings import MotionSettings, PlanningSettings
 from grip_bt.commanders.taught import TaughtStates
+from grip_bt.runtime.lockstep import InTurn, Lockstep
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
+from grip_sim.simulation import Simulation, start_simulation
 
 if TYPE_CHECKING:
     from grip_bt.ros.client.bus import Bus
-from grip_bt.app.project.faults import faults_of_faults, faults_of_simulation, jerks_of_arms
-from grip_bt.app.project.worlds import regions_of, room_of, world_of
-from grip_bt.runtime.lockstep import InTurn, Lockstep
-from grip_sim.simulation import Simulation, start_simulation
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ class PlannedRobot:
     def begin(cls, opening: Opening) -> PlannedRobot:
         """Verify what arms and hands name, and start the planner."""
         description = opening.project.description()
-        check(faults_of_parts(opening.project, description))
+        faults.check(faults.faults_of_parts(opening.project, description))
 
         def start(stack: ExitStack) -> PlanningProcess:
             return stack.enter_context(PlanningProcess(description))
@@ -75,8 +74,9 @@ class PlannedRobot:
         """Block until the planner plans. Raises GripError: it doesn't come up."""
         if not self.process.wait_until_ready():
             raise GripError("the planning process does not start; run `grip doctor`")
-        names = planners_in_force(opening.project, self.description)
-        opening.progress("planner", f"process {self.process.pid}: {names}")
+        arms = opening.project.file.arms.values()
+        names = sorted({settings_of(arm, self.description, 0).planner for arm in arms})
+        opening.progress("planner", f"process {self.process.pid}: {', '.join(names)}")
 
 
 def commanded(
@@ -97,76 +97,91 @@ def commanded(
     """
     project, file = opening.project, opening.project.file
     model = opening.equipment.get(f"model {description.name}", description, lambda _: RobotModel(description))
-    taught = TaughtStates(project.folder / TAUGHT)
-    carried_by = {arm.hand: arm.group for arm in file.arms.values()}
-    hands = {
-        name: HandCommander(
-            name,
-            ports[name],
-            description.named_states.get(hand.group, {}),
-            fingers=joints_of_fingers(description, hand.group),
-            limits=limits_of_joints(description, hand.group),
-            taught=taught,
-            reach=partial(_reached, model, hand.group, carried_by.get(name, "")),
-            spans=partial(spans_of, model, hand.group, model.grasp_frame_of(carried_by.get(name, ""))),
-            touch=(touch or {}).get(name),
-        )
-        for name, hand in file.hands.items()
-    }
+    taught = TaughtStates(project.folder / faults.TAUGHT)
     joined = {name: arm.arms for name, arm in file.arms.items() if arm.arms}
     executors = {**executors, **{n: JoinedExecutor(*(executors[each] for each in arms)) for n, arms in joined.items()}}
-    hand_of = {name: arm.hand or "" for name, arm in file.arms.items()}  # a bare arm moves, and grasps nothing
-    groups = {name: arm.group for name, arm in file.arms.items()} | {n: hand.group for n, hand in file.hands.items()}
-    links = links_of_groups(description, groups)
-
-    def palm_of(arm: str) -> Pose:
-        return model.grasp_pose(executors[arm].state(), group=file.arms[arm].group)
-
     states = {name: executor.state for name, executor in executors.items()} | {n: p.state for n, p in ports.items()}
-
-    def shapes(at: JointState | None) -> Sequence[NDArray[np.float64]]:
-        return model.hulls(*(measure() for measure in states.values()), *(() if at is None else (at,)))
-
-    def palm_alone(hand: str) -> Pose:
-        return model.grasp_pose(ports[hand].state())
-
-    scene = PlanningScene(
-        {hand: partial(palm_alone, hand) for hand in file.hands}
-        | {hand: partial(palm_of, arm) for arm, hand in hand_of.items() if hand},
-        room=(*room, *project.room()),
-        links=links,
-        folder=project.folder,
-        carriers={
-            hand: HandMount(
-                file.arms[arm].group,
-                frozenset((*links[hand], *description.hands.get(file.hands[hand].group, ()))),
-            )
-            for arm, hand in hand_of.items()
-            if hand
-        },
-        robot=shapes,
-        regions=regions,
-    )
+    scene = _scene_around(project, model, states, (*room, *project.room()), regions)
     arms = {
-        arm: ArmCommander(
+        name: ArmCommander(
             ArmSetup(
-                arm,
-                file.arms[arm].group,
-                hand,
-                settings_of(file.arms[arm], description, opening.seed),
-                common_states(file.arms[arm], file.arms, description),
+                name,
+                arm.group,
+                arm.hand or "",  # a bare arm moves, and grasps nothing
+                settings_of(arm, description, opening.seed),
+                faults.common_states(arm, file.arms, description),
                 taught,
             ),
             model,
             planner,
-            executors[arm],
+            executors[name],
             scene,
-            partial(_others, states, arm, hand),
-            partial(_in_world, model, executors[arm], wrists[arm]) if wrists and arm in wrists else None,
+            partial(_others, states, name, arm.hand or ""),
+            partial(_in_world, model, executors[name], wrists[name]) if wrists and name in wrists else None,
         )
-        for arm, hand in hand_of.items()
+        for name, arm in file.arms.items()
     }
-    return Resources(arms=arms, hands=hands, scene=scene)
+    return Resources(arms=arms, hands=_hands_of(file, model, ports, taught, touch or {}), scene=scene)
+
+
+def _hands_of(
+    file: ProjectFile,
+    model: RobotModel,
+    ports: Mapping[str, HandPort],
+    taught: TaughtStates,
+    touch: Mapping[str, Touch],
+) -> dict[str, HandCommander]:
+    """Return the project's hands."""
+    robot = model.description
+    carried_by = {arm.hand: arm.group for arm in file.arms.values()}
+    return {
+        name: HandCommander(
+            name,
+            ports[name],
+            robot.named_states.get(hand.group, {}),
+            fingers=joints_of_fingers(robot, hand.group),
+            limits=limits_of_joints(robot, hand.group),
+            taught=taught,
+            reach=partial(_reached, model, hand.group, carried_by.get(name, "")),
+            spans=partial(spans_of, model, hand.group, model.grasp_frame_of(carried_by.get(name, ""))),
+            touch=touch.get(name),
+        )
+        for name, hand in file.hands.items()
+    }
+
+
+def _scene_around(
+    project: Project,
+    model: RobotModel,
+    states: Mapping[str, Callable[[], JointState]],
+    room: Iterable[SceneObject],
+    regions: Mapping[str, tuple[Sequence[float], Pose]] | None,
+) -> PlanningScene:
+    """Return the scene that the robot is in, whose arms and hands are where `states` measures them."""
+    arms, hands, robot = project.file.arms, project.file.hands, model.description
+    carried = {arm.hand: name for name, arm in arms.items() if arm.hand}
+    groups = {name: arm.group for name, arm in arms.items()} | {name: hand.group for name, hand in hands.items()}
+    links = links_of_groups(robot, groups)
+
+    def palm_of(hand: str) -> Pose:
+        group = arms[carried[hand]].group if hand in carried else ""
+        return model.grasp_pose(states[carried.get(hand, hand)](), group=group)
+
+    def shapes(at: JointState | None) -> Sequence[NDArray[np.float64]]:
+        return model.hulls(*(measure() for measure in states.values()), *(() if at is None else (at,)))
+
+    return PlanningScene(
+        {hand: partial(palm_of, hand) for hand in hands},
+        room=room,
+        links=links,
+        folder=project.folder,
+        carriers={
+            hand: HandMount(arms[arm].group, frozenset((*links[hand], *robot.hands.get(hands[hand].group, ()))))
+            for hand, arm in carried.items()
+        },
+        robot=shapes,
+        regions=regions,
+    )
 
 
 Measured = tuple[str, NDArray[np.float64]]
@@ -232,11 +247,6 @@ class PlannerByName:
         return self._own.submit(request)
 
 
-def planners_in_force(project: Project, description: RobotDescription) -> str:
-    """Return the names of the planners that the project's arms are planned for with, for people."""
-    return ", ".join(sorted({settings_of(arm, description, 0).planner for arm in project.file.arms.values()}))
-
-
 def with_move_group(
     opening: Opening, description: RobotDescription, own: PlanningService, stack: ExitStack, bus: Bus | None = None
 ) -> PlanningService:
@@ -261,26 +271,23 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningS
     Raises:
         UnknownNameError: there is no such solver or planner.
     """
-    check(faults_of_fields(arm, robot, "grip.yaml: arms"))
-
-    def field(name: str) -> Any:
-        return field_of(arm, robot, name)
+    faults.check(faults.faults_of_fields(arm, robot, "grip.yaml: arms"))
 
     asked = {name: getattr(arm, name) for name in MotionSettings.model_fields}
-    preferred = {name: field(name) for name in ("planner", "kinematics", "speed", "acceleration")}
+    preferred = {name: faults.field_of(arm, robot, name) for name in ("planner", "kinematics", "speed", "acceleration")}
     return PlanningSettings(**{**asked, **preferred}, seed=seed)
 
 
 def open_simulated(opening: Opening, stack: ExitStack) -> Resources:
     """Start the planner and the simulator of the project's world, which waits for the run unless it has a pace."""
     project, file, progress = opening.project, opening.project.file, opening.progress
-    check(faults_of_simulation(project))
+    faults.check(faults.faults_of_simulation(project))
     progress("starting", "the simulator and the planner")
     robot = PlannedRobot.begin(opening)
-    jerks = jerks_of_arms(file.arms, robot.description)
-    spec = replace(world_of(project, opening.seed, object=opening.object), jerks=jerks)
+    world = world_of(project, opening.seed, object=opening.object)
+    spec = replace(world, jerks=faults.jerks_of_arms(file.arms, robot.description))
     spec = replace(spec, faults={} if opening.faults is None else {**spec.faults, **opening.faults})
-    check(faults_of_faults(project, spec, robot.description))
+    faults.check(faults.faults_of_faults(project, spec, robot.description))
 
     def start(stack: ExitStack) -> Simulation:
         return stack.enter_context(start_simulation(spec, opening.pace, opening.hold))
@@ -309,10 +316,5 @@ def open_simulated(opening: Opening, stack: ExitStack) -> Resources:
     cameras = {name: simulation.camera(s.camera) for name, s in file.sensors.items() if s.camera is not None}
     robot.wait_until_ready(opening)
     return replace(
-        parts,
-        cameras=cameras,
-        pausable=(simulation,),
-        clock=simulation.clock,
-        lockstep=lockstep,
-        world=simulation,
+        parts, cameras=cameras, pausable=(simulation,), clock=simulation.clock, lockstep=lockstep, world=simulation
     )
