@@ -34,7 +34,7 @@ def test_lists_and_maps_of_poses_are_written_likewise():
         ({"position": [1, 2, float("nan")]}, "not 3 numbers"),
         ({"quaternion": [1, 0, 0, 0]}, "a pose without a `position`"),
         ({**LITERAL, "quaternion": [0, 0, 0, 0]}, "a length of zero"),
-        ({**LITERAL, "orientation": [1, 0, 0, 0]}, "'orientation' of it is nothing of a pose"),
+        ({**LITERAL, "orientation": [1, 0, 0, 0]}, "'orientation' of it isn't a key of a pose"),
         ({**LITERAL, "frame": 3}, "not the name of a frame"),
         ([0.4, 0, 0.3], "a list, not a Pose"),
     ],
