@@ -2,8 +2,8 @@
 
     python benchmarks/campaign_trials.py TASK.yaml [--trials 12] [--cold 3] [--first 0]
 
-CPU time of each process by `/proc`, and its memory. Each seed that was run in both ways is compared bit by bit; exit
-status 0 when nothing differs and every trial has ended.
+CPU time of each process by `/proc`, and its memory. `--cold` seeds, evenly spread over the trials, are run again in new
+processes and compared bit by bit; exit status 0 when nothing differs and every trial has ended.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def main() -> int:
         for kind in costs[-1]:
             middle = statistics.median(cost.get(kind, 0.0) for cost in costs[1:])
             print(f"median of {kind}, but for the first: {middle:.3f} s")
-        for seed in seeds[: args.cold]:
+        for seed in seeds[:: max(1, args.trials // args.cold)]:
             begun = resource.getrusage(resource.RUSAGE_CHILDREN)
             run, status = trial(args.task, seed, journal)
             ended = resource.getrusage(resource.RUSAGE_CHILDREN)
