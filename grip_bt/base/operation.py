@@ -202,14 +202,14 @@ class Operation(Generic[T]):
             self._result, self._error = result, error
             self._ended.set()
             callbacks, self._callbacks = self._callbacks, []
-        trouble: list[BaseException] = []
+        errors: list[BaseException] = []
         for callback in callbacks:
             try:
                 callback()
             except BaseException as error:  # noqa: BLE001 - one that raises must not keep the others waiting
-                trouble.append(error)
-        if trouble:
-            raise trouble[0]
+                errors.append(error)
+        if errors:
+            raise errors[0]
         return True
 
     def then(self, step: Callable[[T], Operation[U]]) -> Operation[U]:

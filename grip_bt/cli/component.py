@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.project.components import Wish, components_folder, from_file, from_graph, label_of, make_component
+from grip_bt.app.project.components import Draft, components_folder, from_file, from_graph, label_of, make_component
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
@@ -92,7 +92,7 @@ def _folder(what: str, args: argparse.Namespace) -> Path:
     if path.suffix[1:] in KINDS:
         return _made(from_file(path), args)
     if re.fullmatch(r"[a-z][a-z0-9_]*/(\w+/)?[A-Z]\w*", what) or what.count("/") == 2:
-        return _made(Wish(read_interface(what)), args)
+        return _made(Draft(read_interface(what)), args)
     home = components_folder(args.project)
     known = [file.parent.name for file in sorted(home.glob(f"*/{FILE_NAME}"))]
     raise GripError(
@@ -117,12 +117,12 @@ def _check_component(folder: Path) -> None:
         )
 
 
-def _made(wish: Wish, args: argparse.Namespace) -> Path:
-    wish = replace(wish, name=args.name, server=args.server or wish.server)
+def _made(draft: Draft, args: argparse.Namespace) -> Path:
+    draft = replace(draft, name=args.name, server=args.server or draft.server)
     failures = [label for label in args.failure.split(",") if label]
-    folder = make_component(wish, components_folder(args.project), args.outcomes, failures)
+    folder = make_component(draft, components_folder(args.project), args.outcomes, failures)
     component = load_component(folder)
-    print(f"{folder / 'component.yaml'}: {wish.interface.type_name}, served as {component.server}")
+    print(f"{folder / 'component.yaml'}: {draft.interface.type_name}, served as {component.server}")
     if len(component.outcomes) > 1 and not component.meaning:
         said = f"all of {listing(component.outcomes)} mean success; of one that doesn't: `meaning: {{LABEL: failure}}`"
         print(f"{said} in component.yaml, or --failure LABEL", file=sys.stderr)

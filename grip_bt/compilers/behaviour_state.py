@@ -75,8 +75,8 @@ def drive(node: Behaviour, pacer: Pacer, tick: Callable[[], object] | None = Non
                 return node.status
             pacer.rest(seen)
     except BaseException as error:
-        for path, trouble in halt(node):
-            error.add_note(f"while stopping {path}: {type(trouble).__name__}: {trouble}")
+        for path, raised in halt(node):
+            error.add_note(f"while stopping {path}: {type(raised).__name__}: {raised}")
         raise
 
 

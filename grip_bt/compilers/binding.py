@@ -125,8 +125,8 @@ def adopter(code: AllowedImports) -> BehaviourFactory:
 
 def _built(path: str, where: str, code: AllowedImports) -> Mapping[str, Behaviour]:
     if not code.names(where):
-        trouble = not_listed(where, code.listed)
-        raise InvalidTaskError([Issue(path, trouble.code, "error", trouble.message, trouble.fix)])
+        issue = not_listed(where, code.listed)
+        raise InvalidTaskError([Issue(path, issue.code, "error", issue.message, issue.fix)])
     _look_in(code, where)
     module, _, name = where.partition(":")
     try:
@@ -151,8 +151,8 @@ def _part_of(tree: Mapping[str, Behaviour], path: str, node: Foreign, children: 
 def _maker(path: str, where: str, code: AllowedImports) -> Any:
     """Return what is at an import path, where it may be called."""
     if not code.allows(where):
-        trouble = not_listed(where, code.listed)
-        raise InvalidTaskError([Issue(path, trouble.code, "error", trouble.message, trouble.fix)])
+        issue = not_listed(where, code.listed)
+        raise InvalidTaskError([Issue(path, issue.code, "error", issue.message, issue.fix)])
     found = _found(path, where, code)
     if isinstance(found, type) and issubclass(found, Behaviour):
         return found

@@ -173,15 +173,15 @@ def halt(root: Behaviour) -> list[tuple[str, Exception]]:
     Returns:
         What was raised while stopping, with the path of the node; the rest was stopped all the same.
     """
-    trouble: list[tuple[str, Exception]] = []
+    errors: list[tuple[str, Exception]] = []
     for node in list(root.iterate()):
         if node.status == Status.RUNNING or getattr(node, "active", False):
             try:
                 node.stop(Status.INVALID)
             except Exception as error:  # noqa: BLE001 - one broken leaf must not keep others from being stopped
                 node.status = Status.INVALID
-                trouble.append((getattr(node, "path", node.name), error))
-    return trouble
+                errors.append((getattr(node, "path", node.name), error))
+    return errors
 
 
 class Asker(Protocol):

@@ -29,7 +29,7 @@ from grip_bt.base.types import JsonObject
 from .client.types import load_type
 from .interfaces.build import ensure_package
 
-Told = Callable[[JsonObject], None]
+EventListener = Callable[[JsonObject], None]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Tasks(Protocol):
     def listed(self) -> Mapping[str, tuple[str, str]]:
         """Return the tasks, name -> file and sentence; a task that can't be read says so in its sentence."""
 
-    def start(self, order: Order, told: Told) -> RunningTask:
+    def start(self, order: Order, told: EventListener) -> RunningTask:
         """Start a run, which `told` hears of from other threads. Raises GripError where it can't be."""
 
 

@@ -197,16 +197,16 @@ class Debugger(Observer):
     # --- as the observer ---
 
     def entered(self, path: str) -> None:
-        point, trouble = self._found("before", path, None, None)
+        point, error = self._found("before", path, None, None)
         wanted = self._wanted
         if point is not None or (wanted is not None and wanted(path)) or self._pacing.holding:
-            self._hold(Held(path, "before", *_why(point), message=trouble), point)
+            self._hold(Held(path, "before", *_why(point), message=error), point)
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
         code = failure.code if failure is not None else None
-        point, trouble = self._found("after", path, outcome, code)
+        point, error = self._found("after", path, outcome, code)
         if point is not None:
-            message = trouble or (failure.message if failure is not None else "")
+            message = error or (failure.message if failure is not None else "")
             self._hold(Held(path, "after", *_why(point), outcome, code, message), point)
 
     def _found(self, when: When, path: str, outcome: str | None, code: str | None) -> tuple[Breakpoint | None, str]:

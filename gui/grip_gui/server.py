@@ -85,29 +85,29 @@ def create_app(
     folder = ProjectFolder(project_folder)
     task_file = folder.task_file(task) if task is not None else None
     runs = source or JournalRuns(folder.journal, folder.folder)
-    desk = RunControl(launch, folder.journal, runs)
+    control = RunControl(launch, folder.journal, runs)
 
     if show_run is not None:
-        desk.show(show_run)
+        control.show(show_run)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         if autostart is not None and task is not None and task_file is not None:
-            await desk.start(task, task_file, autostart)
+            await control.start(task, task_file, autostart)
         yield
-        await asyncio.gather(desk.close(), window.close())
+        await asyncio.gather(control.close(), window.close())
 
     app = FastAPI(title="GRIP editor", lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
     app.state.token = token or token_urlsafe(24)
     app.add_middleware(Gate, token=app.state.token)
     for refused in (GripError, RequestValidationError, HTTPException):
         app.add_exception_handler(refused, _refuse)
-    edits, window = DocumentStore(folder, desk.follow_edit), RosClientProcess(folder.folder)
+    edits, window = DocumentStore(folder, control.follow_edit), RosClientProcess(folder.folder)
     runner = CommandRunner(folder.folder)
-    app.include_router(make_edit_router(edits, desk.notify))
-    app.include_router(make_setup_router(folder, runner, runs, desk.notify))
-    app.include_router(make_live_router(folder, runner, window, lambda: desk.run_under_way))
-    app.include_router(make_router(folder, desk, runs, task, edits))
+    app.include_router(make_edit_router(edits, control.notify))
+    app.include_router(make_setup_router(folder, runner, runs, control.notify))
+    app.include_router(make_live_router(folder, runner, window, lambda: control.run_under_way))
+    app.include_router(make_router(folder, control, runs, task, edits))
 
     @app.post("/api/study")
     def spent(span: StudySpan) -> bool:

@@ -29,7 +29,7 @@ from grip_bt.task.catalog.ros_config import InterfaceSpec
 
 
 @dataclass(frozen=True)
-class Wish:
+class Draft:
     """What is known of a component to be.
 
     Attributes:
@@ -46,7 +46,7 @@ class Wish:
     script: Path | None = None
 
 
-def from_file(path: Path) -> Wish:
+def from_file(path: Path) -> Draft:
     """Take a .srv, .action or .msg file of an interface package; DocumentError where it isn't one or lies in none."""
     if not path.is_file():
         raise DocumentError("there is no such file", str(path))
@@ -55,24 +55,24 @@ def from_file(path: Path) -> Wish:
         where = f"<package>/{path.suffix[1:]}/{path.name}, beside a package.xml"
         reason = f"an interface belongs to a package, whose name is part of its type: put the file into {where}"
         raise DocumentError(reason, str(path))
-    return Wish(read_interface(path), package=package)
+    return Draft(read_interface(path), package=package)
 
 
-def served_in(wish: Wish) -> Wish:
+def served_in(draft: Draft) -> Draft:
     """Find the Python script of an interface's own repository that serves it, and under which name; read, never run."""
-    home = wish.package
+    home = draft.package
     if home is None:
-        return wish
+        return draft
     root = next((folder for folder in (home, *home.parents) if (folder / ".git").exists()), home)
-    kind = r"create_service\(\s*" if wish.interface.kind == "srv" else r"ActionServer\(\s*[\w.]+\s*,\s*"
-    served = re.compile(rf"""{kind}(?:[\w.]+\.)?{wish.interface.name}\s*,\s*['"]([\w/~]+)['"]""")
+    kind = r"create_service\(\s*" if draft.interface.kind == "srv" else r"ActionServer\(\s*[\w.]+\s*,\s*"
+    served = re.compile(rf"""{kind}(?:[\w.]+\.)?{draft.interface.name}\s*,\s*['"]([\w/~]+)['"]""")
     for file in sorted(root.rglob("*.py")):
         if found := served.search(file.read_text("utf-8", errors="replace")):
-            return replace(wish, server=f"/{found[1].lstrip('/~')}", script=file)
-    return wish
+            return replace(draft, server=f"/{found[1].lstrip('/~')}", script=file)
+    return draft
 
 
-def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish:
+def from_graph(name: str, within: float, interfaces: Path | None = None) -> Draft:
     """Take what runs: its type is asked of the running graph within so many [s].
 
     Args:
@@ -85,15 +85,15 @@ def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish
 
     served = find_served(name, within)
     if interfaces is not None and (file := interface_file(interfaces, served.type)) is not None:
-        return Wish(read_interface(file), served.name, package=file.parent.parent)
+        return Draft(read_interface(file), served.name, package=file.parent.parent)
     try:
-        return Wish(read_interface(served.type), served.name)
+        return Draft(read_interface(served.type), served.name)
     except DocumentError as error:
         advice = "give the folder of its interface package: --interfaces FOLDER"
         raise GripError(f"{served.name} is of type {served.type}, but {error.message}; {advice}") from None
 
 
-def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Collection[str] = ()) -> Path:
+def make_component(draft: Draft, folder: Path, outcomes: str | None, failures: Collection[str] = ()) -> Path:
     """Write the folder of a component with its component file; return it.
 
     Args:
@@ -103,27 +103,27 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
         OutcomesNeededError: nobody said how it can end.
         GripError: it is there already, or (ContractError) the interface and the outcomes don't fit; nothing is written.
     """
-    server = wish.server or "/" + suggested_name(wish.interface)
-    name = wish.name or server.strip("/").replace("/", "_").lower()
+    server = draft.server or "/" + suggested_name(draft.interface)
+    name = draft.name or server.strip("/").replace("/", "_").lower()
     home = folder / name
     if (home / FILE_NAME).exists():
         raise GripError(f"{home / FILE_NAME} already exists; edit it and run: grip component add {home}")
-    if outcomes is None and wish.interface.kind != "msg":
-        needed = OutcomesNeededError(wish.interface)
+    if outcomes is None and draft.interface.kind != "msg":
+        needed = OutcomesNeededError(draft.interface)
         if not sys.stdin.isatty():
             raise needed
         outcomes = input(f"{needed}\noutcomes [{needed.suggestion}]: ").strip() or needed.suggestion
     chosen = {"received": "true"} if outcomes is None else parse_outcomes(outcomes)
     try:
-        text = component_text(wish.interface, name, server, chosen, failures)
+        text = component_text(draft.interface, name, server, chosen, failures)
         component, faults = check_model(parse(text), ComponentFile)
         if component is None:
             raise document_error(faults, FILE_NAME)
-        check_contract(component, wish.interface, partial(fields_within, wish.package and wish.package.parent))
+        check_contract(component, draft.interface, partial(fields_within, draft.package and draft.package.parent))
     except ValidationError as error:
         raise GripError(diagnostic_of(YamlMapping({}, 1, 1), error.errors()[0])[0]) from None
     home.mkdir(parents=True, exist_ok=True)
-    for package in _with_needed(wish.package):
+    for package in _with_needed(draft.package):
         if not (home / "interfaces" / package.name).exists():
             copy_folder(package, home / "interfaces" / package.name, _not_of_interfaces)
     (home / FILE_NAME).write_text(text, encoding="utf-8")

@@ -12,7 +12,7 @@ from grip_bt.app.runs.execute import RunOptions, Target
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.app.wiring.parts import RobotKind
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
-from grip_bt.ros.task_server import Order, RunningTask, Told
+from grip_bt.ros.task_server import EventListener, Order, RunningTask
 from grip_bt.runtime import JournalReader
 from grip_bt.task import load
 
@@ -35,7 +35,7 @@ class ServedTasks:
             found[file.stem] = str(file.relative_to(self.project.folder)), doc
         return found
 
-    def start(self, order: Order, told: Told) -> RunningTask:
+    def start(self, order: Order, told: EventListener) -> RunningTask:
         """Start a run; UnknownNameError where there is no such task, form or robot."""
         listed = self.listed()
         files = {file for file, _ in listed.values()}
@@ -60,7 +60,7 @@ class ServedTasks:
 class _Nodes:
     """Passes on what a run tells, and, as its journal is written, what its nodes did."""
 
-    def __init__(self, journal: Path, told: Told):
+    def __init__(self, journal: Path, told: EventListener):
         self._journal, self._told = journal, told
         self._run, self._seq = "", 0
 

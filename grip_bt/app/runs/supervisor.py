@@ -48,7 +48,7 @@ SINGLE = {"OPENBLAS_NUM_THREADS": "1"}
 """What a run's processes multiply is so small that a second thread only waits: it cost a network's answer seven times
 its CPU time. Who wants more for a component of their own sets it."""
 
-Told = Callable[[JsonObject], None]
+EventListener = Callable[[JsonObject], None]
 
 
 class RunProcess(Closing):
@@ -139,7 +139,7 @@ class Supervisor:
         self,
         task: str,
         options: RunOptions,
-        told: Told,
+        told: EventListener,
         silence: float | None = None,
         own_input: bool = True,
         process: RunProcess | None = None,

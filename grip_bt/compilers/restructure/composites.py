@@ -39,7 +39,7 @@ class Item:
         )
 
 
-Wishes = Mapping[str, str]
+Meanings = Mapping[str, str]
 """State outside a region -> the meaning that its label shall have: that with which the container above goes on."""
 
 
@@ -61,11 +61,11 @@ class Composer:
         outcomes = FrozenDict({k: v for k, v in old.outcomes.items() if k not in PLAIN})
         return Built(body.node.model_copy(update={**common(old), "outcomes": outcomes}), places)
 
-    def item(self, region: Region, wishes: Wishes) -> Item:
+    def item(self, region: Region, meanings: Meanings) -> Item:
         if isinstance(region, State):
             return self.state(region)
-        made = self.container(region, wishes)
-        ends = self.ends(region.leaving, wishes)
+        made = self.container(region, meanings)
+        ends = self.ends(region.leaving, meanings)
         name = f"repeat_{region.entry}" if isinstance(region, Loop) else f"{region.entry}_then_{region.last}"
         return self.named(name, made.node, ends, made.places)
 
@@ -73,20 +73,20 @@ class Composer:
         node = self.children[region.entry].node.model_copy(update={"on": FrozenDict()})
         return Item(region.entry, node, region.leaving, {region.entry: (region.entry,)})
 
-    def container(self, region: Region, wishes: Wishes) -> Item:
+    def container(self, region: Region, meanings: Meanings) -> Item:
         match region:
             case State():
                 items, goes_on = [self.state(region)], "success"
             case Chain():
-                items, goes_on = list(self.parts_of(region, wishes)), region.goes_on
+                items, goes_on = list(self.parts_of(region, meanings)), region.goes_on
             case Loop():
-                items, goes_on = [self.going_on(region.body, region.entry, "success", wishes)], "success"
+                items, goes_on = [self.continuing(region.body, region.entry, "success", meanings)], "success"
         following = [part.entry for part in region.parts[1:]] if isinstance(region, Chain) else []
         if isinstance(region, Loop):
             following = [region.entry]
         exits = dict(self.exits(items, following, goes_on))
         used = {label: target for item in items for target in targets(item.ends) for label in (self.label(target),)}
-        outcomes = {k: self.meaning(t, wishes) for k, t in used.items() if k in exits.values() and k not in PLAIN}
+        outcomes = {k: self.meaning(t, meanings) for k, t in used.items() if k in exits.values() and k not in PLAIN}
         content = {
             "outcomes": FrozenDict(outcomes),
             "exits": FrozenDict(exits),
@@ -96,28 +96,28 @@ class Composer:
         node = kind(kind=kind.__name__.lower(), **content)
         return Item("", node, (), {state: place for item in items for state, place in item.places.items()})
 
-    def parts_of(self, chain: Chain, wishes: Wishes) -> Iterator[Item]:
+    def parts_of(self, chain: Chain, meanings: Meanings) -> Iterator[Item]:
         for part, following in zip(chain.parts, chain.parts[1:], strict=False):
-            yield self.going_on(part, following.entry, chain.goes_on, wishes)
-        yield self.item(chain.parts[-1], wishes)
+            yield self.continuing(part, following.entry, chain.goes_on, meanings)
+        yield self.item(chain.parts[-1], meanings)
 
-    def going_on(self, region: Region, target: str, meaning: str, wishes: Wishes) -> Item:
+    def continuing(self, region: Region, target: str, meaning: str, meanings: Meanings) -> Item:
         """Return a child whose ends for `target` all have a meaning by which its container goes on."""
-        item = self.item(region, {**wishes, target: meaning})
+        item = self.item(region, {**meanings, target: meaning})
         if item.goes_on(target, meaning):
             return item
-        return self.wrapped(item, {**wishes, target: meaning})
+        return self.wrapped(item, {**meanings, target: meaning})
 
-    def wrapped(self, item: Item, wishes: Wishes) -> Item:
+    def wrapped(self, item: Item, meanings: Meanings) -> Item:
         """Return the child in a container that gives each of its targets a label of its own."""
         places = item.places
         reached = targets(item.ends)
         only = FrozenDict({item.name: item.node})
         if len(reached) == 1:
-            meaning: Meaning = "success" if wishes[reached[0]] == "success" else "failure"
+            meaning: Meaning = "success" if meanings[reached[0]] == "success" else "failure"
             forced = Force(kind=Force.kind_name(), as_=meaning, child=only)
             return self.named(f"try_{item.name}", forced, (Arc(item.name, meaning, None, meaning, reached[0]),), places)
-        ends = self.ends(item.ends, wishes)
+        ends = self.ends(item.ends, meanings)
         exits = FrozenDict(dict(self.exits([item], [], "success")))
         outcomes = FrozenDict({e.outcome: e.meaning for e in ends if e.outcome not in PLAIN})
         node = Sequence(kind=Sequence.kind_name(), outcomes=outcomes, exits=exits, children=only)
@@ -142,8 +142,8 @@ class Composer:
                     continue
                 yield f"{item.name}.{end.label}", label
 
-    def ends(self, leaving: Iterable[Arc], wishes: Wishes) -> tuple[Arc, ...]:
-        return tuple(Arc("", self.label(t), None, self.meaning(t, wishes), t) for t in targets(leaving))
+    def ends(self, leaving: Iterable[Arc], meanings: Meanings) -> tuple[Arc, ...]:
+        return tuple(Arc("", self.label(t), None, self.meaning(t, meanings), t) for t in targets(leaving))
 
     def label(self, target: str) -> str:
         return self.labels.get(target, target)
@@ -155,8 +155,8 @@ class Composer:
             label += "_next"
         return label
 
-    def meaning(self, target: str, wishes: Wishes) -> str:
-        return wishes[target] if target in self.children else self.part.meaning[target]
+    def meaning(self, target: str, meanings: Meanings) -> str:
+        return meanings[target] if target in self.children else self.part.meaning[target]
 
 
 def _code_first(item: Item) -> Callable[[Arc], tuple[int, bool]]:

@@ -179,10 +179,10 @@ def then(first: Region, second: Region) -> Region:
             fixed = {
                 c.goes_on for c, parts in ((first, front), (second, back)) if isinstance(c, Chain) and parts != (c,)
             }
-            fitting = [m for m in going_on(front[-1], second.entry) if fixed <= {m}]
+            fitting = [m for m in continuing_meanings(front[-1], second.entry) if fixed <= {m}]
             if fitting:
                 return Chain((*front, *back), fitting[0])
-    return Chain((first, second), going_on(first, second.entry)[0])
+    return Chain((first, second), continuing_meanings(first, second.entry)[0])
 
 
 def depth(region: Region) -> int:
@@ -196,7 +196,7 @@ def depth(region: Region) -> int:
     return deepest
 
 
-def going_on(region: Region, target: str) -> list[str]:
+def continuing_meanings(region: Region, target: str) -> list[str]:
     """Return the meanings with which the ends of `region` that lead to `target` can go on to it, the best first.
 
     Ends of one state have the meaning that they have. A region of several states gets a label for `target`, whose

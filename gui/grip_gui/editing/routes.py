@@ -41,12 +41,12 @@ class DocumentStore:
 
     def __init__(self, folder: ProjectFolder, followed: Callable[[str, tuple[Step, ...]], object] = lambda *_: None):
         self.folder, self._followed = folder, followed
-        self._sheets: dict[str, OpenDocument] = {}
+        self._opened: dict[str, OpenDocument] = {}
         self._lock = RLock()
 
     def revisions(self) -> dict[str, int]:
         """Return the revision of each open file."""
-        return {path: opened.revision for path, opened in list(self._sheets.items())}
+        return {path: opened.revision for path, opened in list(self._opened.items())}
 
     @contextmanager
     def held(self, path: str) -> Iterator[OpenDocument]:
@@ -66,14 +66,14 @@ class DocumentStore:
                 opened.keep_unsaved()
 
     def _open(self, path: str) -> OpenDocument:
-        if path not in self._sheets:
+        if path not in self._opened:
             file = self.folder.task_file(path)
             layout = layout_path(file)
             kept = recovery_of(self.folder.journal.parent / "unsaved", path)
             opened = OpenDocument(TextFile(file, path), TextFile(layout, layout.name), kept)
             opened.followed = lambda steps: self._followed(path, steps)
-            self._sheets[path] = opened
-        return self._sheets[path]
+            self._opened[path] = opened
+        return self._opened[path]
 
     def create(self, path: str, text: str | None = None) -> None:
         """Make a new task file; without a text it does nothing yet.
@@ -93,7 +93,7 @@ class DocumentStore:
             read_text(text, path)
             TextFile(file, path).write(text)
             recovery_of(self.folder.journal.parent / "unsaved", path).remove()
-            self._sheets.pop(path, None)
+            self._opened.pop(path, None)
 
     def meant(self, command: AnyCommand, document: Document) -> AnyCommand:
         """Return the edit that a command comes to here; an `extract` makes its file, which stays where it is undone.
@@ -112,16 +112,16 @@ class DocumentStore:
         return part.edit
 
 
-def make_edit_router(desk: DocumentStore, notify: Callable[[], None]) -> APIRouter:
+def make_edit_router(documents: DocumentStore, notify: Callable[[], None]) -> APIRouter:
     """Return the routes below `/api` that read and change documents; `notify`, in the event loop, tells the pages."""
     api = APIRouter(prefix="/api")
-    _add_questions(api, desk)
-    _add_wishes(api, desk, notify)
+    _add_questions(api, documents)
+    _add_requests(api, documents, notify)
     return api
 
 
-def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
-    folder = desk.folder
+def _add_questions(api: APIRouter, documents: DocumentStore) -> None:
+    folder = documents.folder
 
     @api.get("/catalog")
     def catalog() -> wire.CatalogView:
@@ -131,51 +131,51 @@ def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
 
     @api.get("/document/forms")
     def forms(path: str) -> wire.FormsView:
-        with desk.held(path) as opened:
+        with documents.held(path) as opened:
             find = forms_view(opened, catalog_of(folder)[0])
         return find()
 
     @api.get("/document/problems")
     def problems(path: str) -> wire.ProblemsView:
-        with desk.held(path) as opened:
+        with documents.held(path) as opened:
             find = problems_view(folder, opened)
         return find()
 
     @api.get("/document/places")
     def places(path: str) -> wire.PlacesView:
-        with desk.held(path) as opened:
+        with documents.held(path) as opened:
             return places_view(opened)
 
     @api.get("/document/comment")
     def comment(path: str, node: str) -> wire.CommentView:
-        with desk.held(path) as opened:
+        with documents.held(path) as opened:
             return comment_view(opened, node)
 
     @api.get("/document/parts")
     def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> list[wire.Part]:
-        with desk.held(path) as opened:
+        with documents.held(path) as opened:
             return parts_view(opened, node)
 
     @api.get("/document/conversion")
     def conversion(path: str, node: str, form: wire.Form) -> wire.ConversionView:
-        with desk.held(path) as opened:
+        with documents.held(path) as opened:
             find = conversion_view(opened, catalog_of(folder)[0], node, form)
         return find()
 
     @api.post("/document/expression")
     def expression(request: wire.ExpressionRequest) -> list[str]:
-        with desk.held(request.path) as opened:
+        with documents.held(request.path) as opened:
             return check_expression(folder, opened, request)
 
 
-def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None]) -> None:
+def _add_requests(api: APIRouter, documents: DocumentStore, notify: Callable[[], None]) -> None:
     async def change(
         path: str, work: Callable[[OpenDocument], object], since: int | None, status: int = 200
     ) -> Response:
         def changed() -> str:
-            with desk.held(path) as opened:
+            with documents.held(path) as opened:
                 work(opened)
-                return document_view(desk.folder, opened, since).model_dump_json()
+                return document_view(documents.folder, opened, since).model_dump_json()
 
         body = await asyncio.to_thread(changed)
         notify()
@@ -188,7 +188,7 @@ def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None])
     @api.post("/document/edit")
     async def edit(request: wire.EditRequest, since: int | None = None) -> Response:
         command = command_of(request.command)
-        return await change(request.path, lambda opened: opened.do(command, request.base, desk.meant), since)
+        return await change(request.path, lambda opened: opened.do(command, request.base, documents.meant), since)
 
     @api.post("/document/text")
     async def text(request: wire.TextRequest, since: int | None = None) -> Response:
@@ -214,7 +214,7 @@ def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None])
 
     @api.post("/document/new")
     async def new(request: wire.NewTask, since: int | None = None) -> Response:
-        await asyncio.to_thread(desk.create, request.path, request.text)
+        await asyncio.to_thread(documents.create, request.path, request.text)
         return await change(request.path, lambda _: None, since, 201)
 
 

@@ -27,7 +27,7 @@ _ROBOTS = [str(kind) for kind in get_args(RobotKind)]
 
 
 def make_router(
-    folder: ProjectFolder, desk: RunControl, source: JournalRuns, selected: str | None, edits: DocumentStore
+    folder: ProjectFolder, control: RunControl, source: JournalRuns, selected: str | None, edits: DocumentStore
 ) -> APIRouter:
     """Return the routes below `/api`."""
     api = APIRouter(prefix="/api")
@@ -57,47 +57,47 @@ def make_router(
     @api.websocket("/socket")
     async def socket(websocket: WebSocket, page: wire.PageId = "") -> None:
         await websocket.accept()
-        await ClientConnection(websocket, desk, source, edits.revisions, page).serve()
+        await ClientConnection(websocket, control, source, edits.revisions, page).serve()
 
-    _add_runs(api, folder, desk)
+    _add_runs(api, folder, control)
     return api
 
 
-def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
+def _add_runs(api: APIRouter, folder: ProjectFolder, control: RunControl) -> None:
     """Add what starts and controls runs."""
 
     @api.get("/session")
     async def session() -> wire.SessionView | None:
-        return desk.view
+        return control.view
 
     @api.post("/session", status_code=201)
     async def start(request: wire.StartRun) -> wire.SessionView:
         file = folder.task_file(request.task)
-        return await desk.start(request.task, file, _options(folder, request), request.page, request.run_to)
+        return await control.start(request.task, file, _options(folder, request), request.page, request.run_to)
 
     @api.post("/session/control")
-    async def control(request: wire.Control) -> wire.SessionView:
-        return await desk.command(request)
+    async def command(request: wire.Control) -> wire.SessionView:
+        return await control.command(request)
 
     @api.get("/desk")
     async def shared() -> wire.SharedState:
-        return desk.shared_state
+        return control.shared_state
 
     @api.post("/breakpoints")
     async def breakpoints(request: wire.BreakpointsRequest) -> wire.SharedState:
         folder.task_file(request.task)
         try:
-            return desk.set_breakpoints(request.task, request.breakpoints, request.page)
+            return control.set_breakpoints(request.task, request.breakpoints, request.page)
         except OSError as error:
             raise GripError(f"the breakpoints can't be kept: {error}") from error
 
     @api.post("/lease")
     async def lease(request: wire.ControlRequest) -> wire.SharedState:
         if request.take:
-            desk.presence.take(request.page, request.over)
+            control.presence.take(request.page, request.over)
         else:
-            desk.presence.give(request.page)
-        return desk.shared_state
+            control.presence.give(request.page)
+        return control.shared_state
 
 
 def _options(folder: ProjectFolder, request: wire.StartRun) -> wire.RunOptions:

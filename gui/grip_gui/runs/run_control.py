@@ -16,7 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from grip_bt.app.runs import execute
 from grip_bt.app.runs.mocks import scripted
-from grip_bt.app.runs.supervisor import Supervisor, Told
+from grip_bt.app.runs.supervisor import EventListener, Supervisor
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
 from grip_bt.task.edit import path_after
@@ -30,11 +30,11 @@ _FILE: TypeAdapter[dict[str, list[Breakpoint]]] = TypeAdapter(dict[str, list[Bre
 _STATES: dict[str, RunState] = {"running": "running", "paused": "paused", "stopping": "stopping"}
 _Place: TypeAlias = tuple[str, str, str | None, str]
 """Node, when, outcome and condition of a breakpoint."""
-Launch: TypeAlias = Callable[[Path, Path, RunOptions, Told], Supervisor]
+Launch: TypeAlias = Callable[[Path, Path, RunOptions, EventListener], Supervisor]
 """Starts a run of a task's file, which writes to a journal, and tells of its events in another thread."""
 
 
-def start_run(task_file: Path, journal: Path, options: RunOptions, told: Told) -> Supervisor:
+def start_run(task_file: Path, journal: Path, options: RunOptions, told: EventListener) -> Supervisor:
     """Start a run in a process of its own."""
     journal.parent.mkdir(parents=True, exist_ok=True)
     fields = options.model_dump(exclude={"mocks"}) | {"journal": journal, "watchdog": execute.WATCHDOG}

@@ -32,16 +32,16 @@ class ClientConnection:
     def __init__(
         self,
         socket: WebSocket,
-        desk: RunControl,
+        control: RunControl,
         source: JournalRuns,
         revisions: Callable[[], dict[str, int]] = dict,
         page: str = "",
     ):
         self._page = page
-        self._socket, self._desk, self._source, self._revisions = socket, desk, source, revisions
+        self._socket, self._control, self._source, self._revisions = socket, control, source, revisions
         self._changed = asyncio.Event()
         self._changed.set()
-        desk.viewers.add(self._changed)
+        control.viewers.add(self._changed)
         self._run: str | None = None
         self._next = 0
         self._complete = False
@@ -51,15 +51,15 @@ class ClientConnection:
 
     async def serve(self) -> None:
         """Talk until the page leaves or breaks the rules too often."""
-        self._desk.presence.come(self._page)
+        self._control.presence.come(self._page)
         sender = asyncio.create_task(self._send_or_close())
         try:
             await self._receive()
         except WebSocketDisconnect:
             pass
         finally:
-            self._desk.viewers.discard(self._changed)
-            self._desk.presence.go(self._page)
+            self._control.viewers.discard(self._changed)
+            self._control.presence.go(self._page)
             sender.cancel()
             with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
                 await sender
@@ -89,9 +89,9 @@ class ClientConnection:
             return f"not understood: {' '.join(str(error).splitlines()[:3])}"
         match request:
             case wire.Introduce():
-                self._desk.presence.introduce(self._page, request)
+                self._control.presence.introduce(self._page, request)
             case wire.Selection():
-                self._desk.presence.select(self._page, request)
+                self._control.presence.select(self._page, request)
             case wire.Subscribe():
                 self._run, self._next, self._complete = request.run, request.from_seq, False
                 self._changed.set()
@@ -112,13 +112,13 @@ class ClientConnection:
             await self._wait()
             self._changed.clear()
             for frame in (
-                wire.SessionFrame(session=self._desk.view),
-                wire.SharedStateFrame(desk=self._desk.shared_state),
+                wire.SessionFrame(session=self._control.view),
+                wire.SharedStateFrame(desk=self._control.shared_state),
             ):
                 if self._told.get(type(frame)) != frame:
                     self._told[type(frame)] = frame
                     await self._write(frame)
-            now, before = self._desk.presence.selections(but=self._page), self._told_selections
+            now, before = self._control.presence.selections(but=self._page), self._told_selections
             changed = {page: now.get(page) for page in now.keys() | before.keys() if now.get(page) != before.get(page)}
             if changed:
                 self._told_selections = now
@@ -164,8 +164,8 @@ class ClientConnection:
         return len(events) == BATCH
 
     def _is_over(self, run: str) -> bool:
-        view = self._desk.view
-        if self._desk.session is not None and view is not None and view.run == run:
+        view = self._control.view
+        if self._control.session is not None and view is not None and view.run == run:
             return view.state == "ended"
         try:
             return self._source.run(run).status != "running"

@@ -21,7 +21,7 @@ from fastapi import APIRouter, Query
 from fastapi.responses import FileResponse
 from pydantic import ValidationError
 
-from grip_bt.app.project.components import Wish, components_folder, from_file, make_component, served_in
+from grip_bt.app.project.components import Draft, components_folder, from_file, make_component, served_in
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import ContractError, DocumentError, GripError
 from grip_bt.base.yaml.models import check_model, diagnostic_of
@@ -51,17 +51,17 @@ def make_setup_router(
 ) -> APIRouter:
     """Return the routes below `/api/setup`; `changed` is called in the loop when the project's nodes may be others."""
     api = APIRouter(prefix="/api/setup")
-    desk = SettingsStore(folder)
+    settings = SettingsStore(folder)
 
-    api.get("/files")(desk.files)
-    api.get("/file")(desk.open)
-    api.post("/check")(desk.check)
-    api.post("/change")(desk.change)
+    api.get("/files")(settings.files)
+    api.get("/file")(settings.open)
+    api.post("/check")(settings.check)
+    api.post("/change")(settings.change)
     api.get("/names")(partial(names_of, folder.folder))
 
     @api.post("/save")
     async def save(request: wire.SetupSave) -> wire.SetupView:
-        view = await asyncio.to_thread(desk.save, request)
+        view = await asyncio.to_thread(settings.save, request)
         changed()
         return view
 
@@ -109,7 +109,7 @@ def make_setup_router(
     @api.post("/record")
     async def keep(request: wire.RecordRequest) -> wire.SetupView:
         path = await asyncio.to_thread(lambda: keep_value(folder, request.name, source.raw(request.run, request.seq)))
-        return await asyncio.to_thread(desk.open, path)
+        return await asyncio.to_thread(settings.open, path)
 
     return api
 
@@ -201,7 +201,7 @@ def make(folder: ProjectFolder, request: InterfaceRequest) -> tuple[InterfaceVie
     return view.model_copy(update={"path": folder.relative(home / "component.yaml")}), home
 
 
-def _view(folder: ProjectFolder, request: InterfaceRequest, found: Wish) -> InterfaceView:
+def _view(folder: ProjectFolder, request: InterfaceRequest, found: Draft) -> InterfaceView:
     interface = found.interface
     suggestion = suggested_outcomes(interface)
     sides = {"action": ("goal", "result"), "msg": ("message", "")}.get(interface.kind, ("request", "response"))
@@ -252,7 +252,7 @@ def _unknown_types(folder: ProjectFolder, interface: InterfaceSpec) -> Iterator[
 
 
 @contextmanager
-def _found(folder: ProjectFolder, request: InterfaceRequest) -> Iterator[Wish]:
+def _found(folder: ProjectFolder, request: InterfaceRequest) -> Iterator[Draft]:
     """Give the interface: of a repository's file, an installed type, or a package made of what was pasted."""
     if request.file:
         if "\0" in request.file or not Path(request.file).is_absolute():
@@ -265,7 +265,7 @@ def _found(folder: ProjectFolder, request: InterfaceRequest) -> Iterator[Wish]:
     if not request.text.strip():
         own = f"*/interfaces/{name['package']}/{name['kind']}/{name['name']}.{name['kind']}"
         file = next(components_folder(folder.folder).glob(own), None)
-        yield Wish(read_interface(request.type.strip())) if file is None else from_file(file)
+        yield Draft(read_interface(request.type.strip())) if file is None else from_file(file)
         return
     with TemporaryDirectory() as place:
         package = Path(place) / name["package"]
