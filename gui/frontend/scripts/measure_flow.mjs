@@ -21,9 +21,9 @@ export function measureFlow({ boxes, edges }) {
     overlaps: pairs(boxes).filter(([a, b]) => !around(a.id).has(b.id) && !around(b.id).has(a.id) && lieOver(a, b)).length,
     behind: edges.filter((edge) => isBehind(edge, boxes, around, holders)).length,
     covered: labels.filter((edge) => isCovered(edge, boxes, edges, holders)).length,
-    crossings: pairs(edges).reduce((sum, [a, b]) => sum + crossings(a, b), 0),
+    crossings: new Set(pairs(edges).flatMap(([a, b]) => crossings(a, b))).size,
     ...straightness(edges, byId),
-    ...extent(boxes),
+    ...extent([...boxes, ...edges.flatMap(({ points }) => points.map((point) => ({ ...point, width: 0, height: 0 })))]),
   };
 }
 
@@ -53,10 +53,9 @@ function isCovered(edge, boxes, edges, holders) {
 
 const cutsBorder = (box, words) => lieOver(box, words) && !(words.x >= box.x && words.y >= box.y && words.x + words.width <= box.x + box.width && words.y + words.height <= box.y + box.height);
 
+/** The places where two edges cross: those that share a way are crossed there once. */
 function crossings(a, b) {
-  let count = 0;
-  for (const [p, q] of pieces(a)) for (const [r, s] of pieces(b)) if (cross(p, q, r, s)) count++;
-  return count;
+  return pieces(a).flatMap(([p, q]) => pieces(b).flatMap(([r, s]) => (cross(p, q, r, s) ? [placeOf(p, q, r, s)] : [])));
 }
 
 function cross(a, b, c, d) {
@@ -66,11 +65,17 @@ function cross(a, b, c, d) {
   return ((s1 > e && s2 < -e) || (s1 < -e && s2 > e)) && ((s3 > e && s4 < -e) || (s3 < -e && s4 > e));
 }
 
-/** Of the edges that lead success ahead to a node that stands right of their source: how many have no bend. */
+function placeOf(a, b, c, d) {
+  const [u, v] = [{ x: b.x - a.x, y: b.y - a.y }, { x: d.x - c.x, y: d.y - c.y }];
+  const t = ((c.x - a.x) * v.y - (c.y - a.y) * v.x) / (u.x * v.y - u.y * v.x);
+  return `${Math.round(a.x + t * u.x)} ${Math.round(a.y + t * u.y)}`;
+}
+
+/** Of the edges that lead success ahead to a node that stands right of their source, and not round to another row: how many have no bend. */
 function straightness(edges, byId) {
   const ahead = edges.filter((edge) => {
     const [from, to] = [byId.get(edge.source), byId.get(edge.target)];
-    return edge.meaning === "success" && from && to && !edge.target.includes("#end") && edge.points.at(-1).x > edge.points[0].x && to.x >= from.x + from.width;
+    return edge.meaning === "success" && from && to && !edge.target.includes("#end") && edge.points.every(({ x }, i) => i === 0 || x > edge.points[i - 1].x - EPS) && to.x >= from.x + from.width;
   });
   const level = (edge) => Math.max(...edge.points.map((point) => point.y)) - Math.min(...edge.points.map((point) => point.y)) < 1.5;
   return { ahead: ahead.length, straight: ahead.filter(level).length };

@@ -22,8 +22,8 @@ interface Kept {
 }
 const KEPT = JSON.parse(readFileSync(new URL("flows.json", import.meta.url), "utf8")) as Record<string, Kept>;
 
-/** Ten charts: a task, one of its containers, and those that are open in it. */
-export const TEN: readonly [string, string, readonly string[]][] = [
+/** Charts: a task, one of its containers, and those that are open in it. */
+export const CHARTS: readonly [string, string, readonly string[]][] = [
   ["reactive_pick", "/", []],
   ["reactive_pick", "next_object/attempt", []],
   ["reactive_pick", "next_object/attempt/pick", []],
@@ -34,6 +34,9 @@ export const TEN: readonly [string, string, readonly string[]][] = [
   ["together", "/", ["CON"]],
   ["forty", "/", []],
   ["cross_door", "/", ["opened", "opened/open"]],
+  ["chain_8", "/", []],
+  ["chain_12", "/", []],
+  ["chain_20", "/", []],
 ];
 
 export function keptTask(name: string): TaskView {
@@ -43,6 +46,9 @@ export function keptTask(name: string): TaskView {
 
 export const sceneIn = (of: TaskView, container: string, opened: readonly string[]): Scene => sceneOf(of, new TaskIndex(of).byPath, container, new Set(opened));
 export const drawn = (of: TaskView, container = "/", opened: readonly string[] = [], pins: Pins = {}): Promise<FlowChart> => chartOf(sceneIn(of, container, opened), pins, lay);
+
+/** How large the whole of a chart is shown in a page of 1280 x 720 with all its panes: the chart has 690 x 524 of it. */
+export const wholeAt = ({ width, height }: { width: number; height: number }): number => Math.min(1.1, (0.95 * 690) / width, (0.95 * 524) / height);
 
 export function measured(chart: FlowChart): ReturnType<typeof measureFlow> {
   const parents = new Map(chart.items.map(({ item, parent }) => [item.id, parent]));

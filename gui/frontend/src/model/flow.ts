@@ -75,7 +75,7 @@ export function flowOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, co
   const ends = Object.entries(container === "/" && children.length === 0 ? task.outcomes : around.outcomes);
   for (const [outcome, meaning] of ends) {
     const id = endId(outcome, within);
-    if (machine || used.has(id)) items.push({ id, kind: "end", outcome, meaning, ports: [], width: Math.max(96, textWidth(outcome, 14) + 62), height: 34 });
+    if (machine || used.has(id)) items.push({ id, kind: "end", outcome, meaning, ports: [], width: Math.max(96, textWidth(outcome, 14) + 56), height: 34 });
   }
   const first = takesChildren(around) ? children.find((node) => node.initial) : undefined;
   if (first) {
@@ -87,7 +87,7 @@ export function flowOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, co
 }
 
 /** In which order outcomes stand at a box: success first, what means nothing before failures. */
-const rank = (meaning: string): number => ({ success: 0, failure: 2 })[meaning] ?? 1;
+export const rank = (meaning: string): number => ({ success: 0, failure: 2 })[meaning] ?? 1;
 
 /** Room for a text [px], whatever the font: wide letters count twice, and nothing is covered by words that are a little longer. */
 export function textWidth(text: string, size: number): number {
@@ -106,7 +106,7 @@ export function subtitleOf(node: NodeView): string {
 export const freeWidth = (ports: readonly Port[]): number => Math.max(0, ...ports.filter((port) => !port.led).map((port) => textWidth(port.outcome, 12) + 30));
 
 function sizeOf(node: NodeView, ports: readonly Port[]): { width: number; height: number } {
-  const head = textWidth(node.name, 13) + (node.children.length > 0 ? 96 : 74);
+  const head = textWidth(node.name, 13) + (node.children.length > 0 ? 90 : 66);
   const wide = Math.min(WIDEST, Math.max(132, head, textWidth(subtitleOf(node), 12) + 40));
   return { width: wide + freeWidth(ports), height: Math.max(FLOW_HEAD + 2, LEAD + (ports.length - 1) * PORT_HEIGHT + 17) };
 }

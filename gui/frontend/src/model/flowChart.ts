@@ -3,7 +3,8 @@ import type { ElkNode } from "elkjs/lib/elk-api";
 import type { NodeView, TaskView } from "../protocol/generated";
 import { parentOf } from "./commands";
 import { type Flow, type FlowEdge, type FlowItem, flowOf, isEnd } from "./flow";
-import { graphOf, gridOf, type Lay, type Level, levelOf, PLACEMENTS } from "./flowElk";
+import { graphOf, type Lay, type Level, levelOf, PLACEMENTS } from "./flowElk";
+import { gridOf, inRows, rowsOf } from "./flowRows";
 import { type Pins, withPins } from "./flowPins";
 import type { Box, Point } from "./layout";
 
@@ -76,19 +77,26 @@ async function laidOut(scene: Scene, pins: Pins, lay: Lay, placements: typeof PL
   const inside = new Map<string, Laid>();
   for (const [path, inner] of scene.inside) inside.set(path, await laidOut(inner, pins, lay, placements));
   const levels = new Map([...inside].map(([path, laid]) => [path, laid.level]));
-  const free = scene.flow.items.length > MOST ? gridOf(scene.flow, levels, scene.box) : await straightest(scene, levels, lay, placements);
+  const free = scene.flow.items.length > MOST ? gridOf(scene.flow, levels, scene.box) : await readable(scene, levels, lay, placements);
   return { ...withPins(free, scene.flow, pins, levels, scene.box !== null), inside };
+}
+
+/** In one line, or in rows where it can be read better so. */
+async function readable(scene: Scene, levels: ReadonlyMap<string, Level>, lay: Lay, placements: typeof PLACEMENTS): Promise<Level> {
+  const rows = rowsOf(scene.flow, levels, scene.box);
+  if (rows.length === 0) return straightest(scene, levels, lay, placements);
+  return inRows(scene.flow, await Promise.all(rows.map((row) => straightest(scene, levels, lay, placements, row))), scene.box);
 }
 
 /** Up to so many nodes other ways to place them are tried, where success isn't a straight line. */
 const FEW = 60;
 
 /** The layout in which most edges of success are straight; the first of those. */
-async function straightest(scene: Scene, levels: ReadonlyMap<string, Level>, lay: Lay, placements: typeof PLACEMENTS): Promise<Level> {
+async function straightest(scene: Scene, levels: ReadonlyMap<string, Level>, lay: Lay, placements: typeof PLACEMENTS, row?: ReadonlySet<string>): Promise<Level> {
   const bent = (level: Level): number => scene.flow.edges.filter((edge) => edge.meaning === "success" && !isBack(level, edge) && (level.lines.get(edge.id)?.points.length ?? 2) > 2).length;
   let best: Level | null = null;
   for (const placement of placements) {
-    const level = levelOf(await lay(graphOf(scene.flow, levels, scene.box, placement)));
+    const level = levelOf(await lay(graphOf(scene.flow, levels, scene.box, placement, row)));
     if (best === null || bent(level) < bent(best)) best = level;
     if (bent(best) === 0 || scene.flow.items.length > FEW) break;
   }

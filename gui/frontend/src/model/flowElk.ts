@@ -1,8 +1,7 @@
 /** The chart of one container as a graph for ELK's layered layout, and its answer as boxes and lines. */
 import type { ElkExtendedEdge, ElkLabel, ElkNode, ElkPort } from "elkjs/lib/elk-api";
-import { type Flow, FLOW_HEAD, type FlowEdge, type FlowItem, LEAD, PORT_HEIGHT, readingOrder, textWidth } from "./flow";
+import { type Flow, FLOW_HEAD, type FlowEdge, type FlowItem, LEAD, PORT_HEIGHT, rank, readingOrder, textWidth } from "./flow";
 import type { Box, Point } from "./layout";
-import { tidied } from "./flowRoute";
 
 /** Lays out a graph: in the page in a worker, in tests here. */
 export type Lay = (graph: ElkNode) => Promise<ElkNode>;
@@ -25,7 +24,7 @@ export interface Level {
 
 export const LABEL_HEIGHT = 15;
 /** With the room between a dot and its words. */
-export const labelWidth = (text: string): number => textWidth(text, 11) + 16;
+export const labelWidth = (text: string): number => textWidth(text, 11) + 14;
 /** Above what is inside an open container. */
 export const OPEN_TOP = FLOW_HEAD + 12;
 /** Above so many nodes the order of crossings is looked for less long. */
@@ -48,8 +47,8 @@ const OPTIONS: Record<string, string> = {
   "elk.spacing.nodeNode": "28",
   "elk.spacing.edgeNode": "14",
   "elk.spacing.edgeEdge": "10",
-  "elk.layered.spacing.nodeNodeBetweenLayers": "40",
-  "elk.layered.spacing.edgeNodeBetweenLayers": "14",
+  "elk.layered.spacing.nodeNodeBetweenLayers": "24",
+  "elk.layered.spacing.edgeNodeBetweenLayers": "12",
   "elk.layered.spacing.edgeEdgeBetweenLayers": "10",
   "elk.spacing.edgeLabel": "3",
 };
@@ -65,41 +64,95 @@ export const PLACEMENTS: readonly Record<string, string>[] = [
   {},
   { "elk.layered.nodePlacement.bk.fixedAlignment": "LEFTDOWN" },
   { "elk.layered.nodePlacement.strategy": "NETWORK_SIMPLEX" },
+  // In no order of our own, where that stands in the way of a straight line.
+  { "elk.layered.considerModelOrder.strategy": "NONE" },
 ];
 const portId = (id: string, outcome: string): string => `${id}\n${outcome}`;
 /** The container itself, whose border has the ends of what is inside. */
 const BORDER = "#border";
 
+/** What stands in a graph, and where edges to and from what doesn't are on its border: there they have names of their own. */
+interface Frame {
+  has(item: FlowItem): boolean;
+  /** Where on the right an edge leaves it, */
+  out(edge: FlowEdge): string;
+  /** where on the left one comes in, */
+  into(edge: FlowEdge): string;
+  /** and the id of its line from there: edges to one target may share it. */
+  line(edge: FlowEdge): string;
+  readonly layoutOptions: Record<string, string>;
+  readonly ports: readonly ElkPort[];
+}
+
 /**
  * The graph of a container.
  * @param inside levels of the containers that are open in it.
  * @param open the container's own box, where it is open in another chart: its ends and its start are ports on its border.
+ * @param row of a chart that is laid out in rows, what stands in this one: what it leads to elsewhere, and what leads to it
+ *   from there, is on its border by the id of the target.
  */
-export function graphOf(flow: Flow, inside: ReadonlyMap<string, Level>, open: FlowItem | null, placement: Record<string, string> = {}): ElkNode {
+export function graphOf(flow: Flow, inside: ReadonlyMap<string, Level>, open: FlowItem | null, placement: Record<string, string> = {}, row?: ReadonlySet<string>): ElkNode {
   const start = flow.items.find((item) => item.kind === "start");
   const first = flow.edges.find((edge) => edge.source === start?.id)?.target;
+  const frame = row ? rowFrame(flow, row) : open ? openFrame(open, new Map(flow.items.map((item) => [item.id, item.outcome ?? ""]))) : null;
   const stand = flow.items.filter((item) => open === null || item.kind === "node");
   const place = new Map(readingOrder(stand.map((item) => item.id), flow.edges, start?.id ?? first).map((id, i) => [id, i]));
-  const items = [...stand].sort((a, b) => (place.get(a.id) as number) - (place.get(b.id) as number));
+  const items = stand.filter((item) => frame?.has(item) ?? true).sort((a, b) => (place.get(a.id) as number) - (place.get(b.id) as number));
+  const here = new Set(items.map((item) => item.id));
   const ports = new Map(flow.items.flatMap((item) => item.ports.map((port, i) => [portId(item.id, port.outcome), i])));
   const at = (edge: FlowEdge): number => (place.get(edge.source) ?? -1) * 1000 + (ports.get(portId(edge.source, edge.outcome)) ?? 0);
-  const edges = [...flow.edges].sort((a, b) => at(a) - at(b)).map((edge) => edgeOf(edge, flow, place, open !== null));
+  const sorted = [...flow.edges].sort((a, b) => at(a) - at(b));
+  // Of the edges that come in for one target, that of success says how straight their line is.
+  const lines = new Set<string>();
+  const isNew = (edge: FlowEdge): boolean => lines.size < lines.add((frame as Frame).line(edge)).size;
+  const come = sorted.filter((edge) => !here.has(edge.source) && here.has(edge.target)).sort((a, b) => rank(a.meaning) - rank(b.meaning)).filter(isNew);
+  const edges = [...come, ...sorted.filter((edge) => here.has(edge.source))].map((edge) => edgeOf(edge, place, here, frame));
   const children = items.map((item) => boxOf(item, inside.get(item.id)));
   const options = { ...(items.length > MANY ? QUICK : OPTIONS), ...placement };
-  if (open === null) return { id: "#root", layoutOptions: { ...options, "elk.padding": "[top=8,left=8,bottom=8,right=8]" }, children, edges };
-  const free = Math.max(0, ...open.ports.filter((port) => !port.led).map((port) => textWidth(port.outcome, 12) + 24));
-  const east = open.ports.map((port, i): ElkPort => ({ id: portId(BORDER, port.outcome), width: 0, height: 0, layoutOptions: side("EAST", i) }));
-  const west: ElkPort = { id: portId(BORDER, ""), width: 0, height: 0, layoutOptions: side("WEST", east.length) };
-  const layoutOptions = {
-    ...options,
-    "elk.padding": `[top=${OPEN_TOP},left=26,bottom=18,right=${22 + free}]`,
-    "elk.portConstraints": "FIXED_ORDER",
-    "elk.nodeSize.constraints": "[MINIMUM_SIZE]",
-    "elk.nodeSize.minimum": `(${open.width},${OPEN_TOP + Math.max(1, open.ports.length) * PORT_HEIGHT})`,
-    "elk.spacing.portPort": String(PORT_HEIGHT),
-  };
+  if (frame === null) return { id: "#root", layoutOptions: { ...options, "elk.padding": "[top=8,left=8,bottom=8,right=8]" }, children, edges };
   // ELK takes ports only of a node that stands in another.
-  return { id: "#root", layoutOptions: { "elk.algorithm": "layered", "elk.hierarchyHandling": "SEPARATE_CHILDREN" }, children: [{ id: BORDER, layoutOptions, ports: [...east, west], children, edges }] };
+  const border = { id: BORDER, layoutOptions: { ...options, ...frame.layoutOptions }, ports: [...frame.ports], children, edges };
+  return { id: "#root", layoutOptions: { "elk.algorithm": "layered", "elk.hierarchyHandling": "SEPARATE_CHILDREN" }, children: [border] };
+}
+
+const onBorder = (name: string, where: "EAST" | "WEST", index: number): ElkPort => ({ id: portId(BORDER, name), width: 0, height: 0, layoutOptions: side(where, index) });
+/** Room for the outcomes that lead nowhere: their names are in the box. */
+export const freeRoom = (open: FlowItem): number => Math.max(0, ...open.ports.filter((port) => !port.led).map((port) => textWidth(port.outcome, 12) + 24));
+
+function openFrame(open: FlowItem, outcomes: ReadonlyMap<string, string>): Frame {
+  const east = open.ports.map((port, i) => onBorder(port.outcome, "EAST", i));
+  return {
+    has: (item) => item.kind === "node",
+    out: (edge) => outcomes.get(edge.target) ?? "",
+    into: () => "",
+    line: (edge) => edge.id,
+    ports: [...east, onBorder("", "WEST", east.length)],
+    layoutOptions: {
+      "elk.padding": `[top=${OPEN_TOP},left=26,bottom=18,right=${22 + freeRoom(open)}]`,
+      "elk.portConstraints": "FIXED_ORDER",
+      "elk.nodeSize.constraints": "[MINIMUM_SIZE]",
+      "elk.nodeSize.minimum": `(${open.width},${OPEN_TOP + Math.max(1, open.ports.length) * PORT_HEIGHT})`,
+      "elk.spacing.portPort": String(PORT_HEIGHT),
+    },
+  };
+}
+
+/** Names on a row's border: where it is left for a target, and where it is entered for one. */
+export const leftFor = (target: string): string => `>${target}`;
+export const enteredFor = (target: string): string => `<${target}`;
+
+function rowFrame(flow: Flow, row: ReadonlySet<string>): Frame {
+  const targets = (from: boolean): string[] => [...new Set(flow.edges.filter((edge) => row.has(edge.source) === from && row.has(edge.target) !== from).map((edge) => edge.target))];
+  const east = targets(true).map((target, i) => onBorder(leftFor(target), "EAST", i));
+  const west = targets(false).map((target, i) => onBorder(enteredFor(target), "WEST", east.length + i));
+  return {
+    has: (item) => row.has(item.id),
+    out: (edge) => leftFor(edge.target),
+    into: (edge) => enteredFor(edge.target),
+    line: (edge) => enteredFor(edge.target),
+    ports: [...east, ...west],
+    layoutOptions: { "elk.padding": "[top=0,left=0,bottom=0,right=6]", "elk.portConstraints": "FIXED_SIDE", "elk.spacing.portPort": "12" },
+  };
 }
 
 const side = (name: "EAST" | "WEST", index: number): Record<string, string> => ({ "elk.port.side": name, "elk.port.index": String(index) });
@@ -118,17 +171,17 @@ function boxOf(item: FlowItem, level: Level | undefined): ElkNode {
   return { ...node, ports: [...east, port("", "WEST", lead, east.length)] };
 }
 
-function edgeOf(edge: FlowEdge, flow: Flow, place: ReadonlyMap<string, number>, open: boolean): ElkExtendedEdge {
-  const end = open ? flow.items.find((item) => item.id === edge.target && item.kind === "end") : undefined;
-  const begin = open && !place.has(edge.source);
+/** @param here what stands in the graph; an edge that comes into it from elsewhere has its words there. */
+function edgeOf(edge: FlowEdge, place: ReadonlyMap<string, number>, here: ReadonlySet<string>, frame: Frame | null): ElkExtendedEdge {
+  const [begins, ends] = [here.has(edge.source), here.has(edge.target)];
   // Only success that goes ahead pulls: it becomes the straight line along which the chart is read. What leaves an open container pulls less.
   const ahead = edge.meaning !== "failure" && (place.get(edge.source) ?? -1) < (place.get(edge.target) ?? Infinity);
-  const weight = ahead ? (end ? "10" : "20") : "1";
-  const text = edge.label;
+  const weight = ahead ? (ends ? "20" : "10") : "1";
+  const text = begins || frame === null ? edge.label : "";
   return {
-    id: edge.id,
-    sources: [begin ? portId(BORDER, "") : portId(edge.source, edge.outcome)],
-    targets: [end ? portId(BORDER, end.outcome ?? "") : portId(edge.target, "")],
+    id: begins ? edge.id : (frame as Frame).line(edge),
+    sources: [begins ? portId(edge.source, edge.outcome) : portId(BORDER, (frame as Frame).into(edge))],
+    targets: [ends ? portId(edge.target, "") : portId(BORDER, (frame as Frame).out(edge))],
     layoutOptions: { "elk.layered.priority.straightness": weight, "elk.layered.priority.shortness": weight, "elk.layered.priority.direction": ahead ? "10" : "0" },
     ...(text ? { labels: [{ id: `${edge.id}\nlabel`, text, width: labelWidth(text), height: LABEL_HEIGHT, layoutOptions: { "elk.edgeLabels.placement": "TAIL" } }] } : {}),
   };
@@ -166,64 +219,4 @@ export function levelOf(root: ElkNode): Level {
   // The outcomes stand where the inside ends; the width may be one from before.
   const width = Math.max(Math.ceil(answer.width ?? 0), ...[...ports.values()].map((port) => port.x));
   return { boxes, lines, ports, width, height: Math.ceil(answer.height ?? 0) };
-}
-
-/** Lanes between rows and columns: edges to one target share one. */
-const LANES = 6;
-const LANE = 8;
-const LANES_WIDE = (LANES + 1) * LANE;
-
-export function gridOf(flow: Flow, inside: ReadonlyMap<string, Level>, open: FlowItem | null): Level {
-  const start = flow.items.find((item) => item.kind === "start");
-  const items = new Map(flow.items.filter((item) => open === null || item.kind === "node").map((item) => [item.id, item]));
-  const order = readingOrder([...items.keys()], flow.edges, start?.id);
-  const words = Math.max(0, ...flow.edges.map((edge) => (edge.label ? labelWidth(edge.label) : 0)));
-  const columns = Math.max(4, Math.ceil(Math.sqrt(order.length * 1.2)));
-  const size = (id: string): { width: number; height: number } => inside.get(id) ?? (items.get(id) as FlowItem);
-  const wide = Array.from({ length: columns }, (_, c) => Math.max(0, ...order.filter((_, i) => i % columns === c).map((id) => size(id).width)));
-  const boxes = new Map<string, Box>();
-  /** Below the boxes of each row: where its lanes begin. */
-  const lows: number[] = [];
-  let y = OPEN_TOP;
-  for (let row = 0; row * columns < order.length; row++) {
-    const here = order.slice(row * columns, (row + 1) * columns);
-    let x = LANES_WIDE + 8;
-    here.forEach((id, c) => {
-      boxes.set(id, { x, y, ...pick(size(id)) });
-      x += (wide[c] as number) + words + 12 + LANES_WIDE;
-    });
-    lows.push(y + Math.max(...here.map((id) => size(id).height)));
-    y = (lows.at(-1) as number) + LANES_WIDE + 12;
-  }
-  const width = Math.max(0, ...[...boxes.values()].map((box) => box.x + box.width)) + words + LANES_WIDE + 40;
-  const ports = new Map<string, Point>([["", { x: 0, y: OPEN_TOP + LEAD }]]);
-  open?.ports.forEach((port, i) => ports.set(port.outcome, { x: width, y: OPEN_TOP + LEAD + i * PORT_HEIGHT }));
-  const level = { boxes, ports, width, height: y };
-  const targets = new Map(flow.items.map((item, i) => [item.id, i % LANES]));
-  const lines = new Map<string, Line>();
-  const known = new Map(flow.items.map((item) => [item.id, item]));
-  const rank = new Map(order.map((id, i) => [id, i]));
-  for (const edge of flow.edges) {
-    const [from, to] = [known.get(edge.source), known.get(edge.target)] as [FlowItem, FlowItem];
-    const at = rank.get(edge.source) ?? -1;
-    const [source, target] = [boxes.get(edge.source), boxes.get(edge.target)];
-    const a = source === undefined ? (ports.get("") as Point) : leaves(from, edge.outcome, source, inside.get(edge.source));
-    const b = target === undefined ? (ports.get(to.outcome ?? "") as Point) : { x: target.x, y: target.y + (to.kind === "end" ? target.height / 2 : (inside.get(edge.target)?.ports.get("")?.y ?? LEAD)) };
-    const lane = ((targets.get(edge.target) as number) + 1) * LANE;
-    const out = source === undefined ? a.x + lane : source.x + (wide[at % columns] as number) + words + 8 + lane;
-    const low = source === undefined ? OPEN_TOP - 4 : (lows[Math.floor(at / columns)] as number) + lane;
-    const into = b.x - LANES_WIDE + lane - 4;
-    const next = source !== undefined && target !== undefined && rank.get(edge.target) === at + 1 && target.x > source.x;
-    const points = next ? [a, { x: into, y: a.y }, { x: into, y: b.y }, b] : [a, { x: out, y: a.y }, { x: out, y: low }, { x: into, y: low }, { x: into, y: b.y }, b];
-    lines.set(edge.id, { points: tidied(points), label: edge.label ? { x: a.x + 6 + labelWidth(edge.label) / 2, y: a.y } : null });
-  }
-  return { ...level, lines };
-}
-
-const pick = ({ width, height }: { width: number; height: number }): { width: number; height: number } => ({ width, height });
-
-function leaves(item: FlowItem, outcome: string, box: Box, level: Level | undefined): Point {
-  if (item.kind === "start") return { x: box.x + box.width, y: box.y + box.height / 2 };
-  const i = Math.max(0, item.ports.findIndex((port) => port.outcome === outcome));
-  return { x: box.x + box.width, y: box.y + (level?.ports.get(outcome)?.y ?? LEAD + i * PORT_HEIGHT) };
 }

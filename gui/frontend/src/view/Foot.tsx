@@ -13,8 +13,8 @@ import { setRobotOpen, useRobot } from "../store/live";
 import { type FootTab, usePage } from "../store/page";
 import { usePanes } from "../store/panes";
 import { useRun } from "../store/run";
-import { Divider } from "./Divider";
 import { Holds } from "./Holds";
+import { Divider } from "./marks";
 import { TimeLine } from "./TimeLine";
 
 const TABS: readonly [FootTab, string][] = [

@@ -14,7 +14,6 @@ import { usePanes } from "../store/panes";
 import { useRun } from "../store/run";
 import { lookAgainOnReturn } from "../store/running";
 import { loadProject, useProject } from "../store/tasks";
-import { Divider } from "./Divider";
 import { Foot } from "./Foot";
 import { Outline } from "./Outline";
 import { VariablesPanel } from "./SidePanel";
@@ -25,6 +24,7 @@ import { EditBar } from "./edit/EditBar";
 import { Inspector } from "./edit/Inspector";
 import { Palette } from "./edit/Palette";
 import { useKeys, useStudy } from "./hooks";
+import { Divider } from "./marks";
 
 const StartPage = lazy(() => import("./start/StartPage"));
 const SetupPage = lazy(() => import("./setup/SetupPage"));

@@ -307,6 +307,9 @@ interface WholeProps {
   readonly middle?: boolean;
 }
 
+/** What the buttons for the zoom take below the whole [px]. */
+const BUTTONS = 46;
+
 /** The buttons for the zoom. Only what is in sight is known to the canvas, so that the whole is fitted by its extent. */
 export function Whole({ boxes, begun, least, begin, over = "", middle = false }: WholeProps): JSX.Element {
   const { setViewport, getViewport } = useReactFlow();
@@ -315,8 +318,9 @@ export function Whole({ boxes, begun, least, begin, over = "", middle = false }:
   const put = useRef<(Viewport & { readonly least: number }) | null>(null);
   const fit = (least: number): void => {
     const all = extent(boxes.values());
-    const zoom = Math.min(1.1, (width * 0.92) / (all.right - all.left), (height * 0.92) / (all.bottom - all.top));
-    const whole = { x: (width - (all.left + all.right) * zoom) / 2, y: (height - (all.top + all.bottom) * zoom) / 2, zoom };
+    const free = height - BUTTONS;
+    const zoom = Math.min(1.1, (width * 0.95) / (all.right - all.left), (free * 0.95) / (all.bottom - all.top));
+    const whole = { x: (width - (all.left + all.right) * zoom) / 2, y: (free - (all.top + all.bottom) * zoom) / 2, zoom };
     put.current = { ...(zoom < least ? begin(all, width, height) : whole), least };
     void setViewport(put.current);
   };

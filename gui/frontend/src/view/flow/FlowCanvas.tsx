@@ -22,8 +22,9 @@ import { useChart } from "./layouter";
 
 const NODE_TYPES = { node: FlowNode, end: EndNode, start: StartNode };
 const EDGE_TYPES = { line: FlowEdgeLine };
-/** Zoom at which a chart can be read. */
+/** Zoom at which a chart can be read; and from which on names can, which are large then. */
 const READABLE = 0.75;
+const NAMED = 0.53;
 const NO_PINS: Record<string, number[]> = {};
 
 export function FlowCanvas(): JSX.Element {
@@ -60,7 +61,8 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
   const labels = useMemo(() => (sketched && !far ? labelsIn(chart, area) : []), [chart, area, sketched, far]);
   const faceOf = useCallback((id: string): Face | undefined => faceIn(found.known, id), [found]);
   const mapped = useStore((s) => hasRoomForMap(s.width)) && chart.items.length > FEW_NODES;
-  const leastZoom = useLeastZoom(boxes);
+  const whole = useMemo(() => withLines(chart), [chart]);
+  const leastZoom = useLeastZoom(whole);
   const pinned = chart.items.some(({ item }) => pins[item.id] !== undefined);
   useEffect(() => setDragged(null), [chart]);
 
@@ -137,7 +139,7 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
           {!sketched && <Ground area={area} />}
           {(sketched || strokes.length > 0) && <Sketch sight={sight} boxes={boxes} strokes={strokes} faceOf={faceOf} labels={labels} />}
         </ViewportPortal>
-        <Whole boxes={boxes} begun={begun} least={READABLE} begin={beginning} middle />
+        <Whole boxes={whole} begun={begun} least={NAMED} begin={beginning} middle />
         {mapped && <Overview boxes={boxes} />}
         <Detail />
         <Keeper boxes={boxes} begun={begun} mapped={mapped} pinned={pinned} />
@@ -145,6 +147,12 @@ function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string,
       <Pinned chart={chart} pins={pins} locked={locked} />
     </>
   );
+}
+
+/** All that a chart takes: lines go round its boxes. */
+function withLines({ boxes, edges }: FlowChart): ReadonlyMap<string, Box> {
+  const corners = edges.flatMap(({ id, points }) => points.map(({ x, y }, i) => [`${id}\n${i}`, { x, y, width: 0, height: 0 }] as const));
+  return new Map([...boxes, ...corners]);
 }
 
 /** Its upper left, as large as can be read. */
