@@ -6,6 +6,7 @@ It is what was given, else rclpy. The first state or server that needs it connec
 from __future__ import annotations
 
 import builtins
+import dis
 import functools
 import importlib
 import sys
@@ -139,7 +140,7 @@ def wanted_names(frame: FrameType | None) -> set[str]:
     todo, names = [] if frame is None else [frame.f_code], set[str]()
     while todo:
         code = todo.pop()
-        names.update(code.co_names)
+        names.update(i.argval for i in dis.get_instructions(code) if i.opname in ("LOAD_NAME", "LOAD_GLOBAL"))
         todo += [each for each in code.co_consts if hasattr(each, "co_names")]
     there = {*vars(builtins), *(frame.f_globals if frame is not None else ())}
     return {name for name in names - there if name[0] != "_"}
