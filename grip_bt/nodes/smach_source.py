@@ -179,21 +179,32 @@ def _module_folders(package: Path) -> list[Path]:
 
 
 class LegacyFinder(MetaPathFinder, Loader):
-    """Finds the modules of folders, of any age of Python; `compiled` gives the code of a file."""
+    """Finds the modules of folders, of any age of Python.
 
-    def __init__(self, folders: Iterable[Path], compiled: Callable[[Path], CodeType] | None = None):
-        self.folders, self.compiled = list(folders), compiled or _compiled
+    Attributes:
+        compiled: gives the code of a file; `listed`: the names that are in a folder.
+    """
+
+    def __init__(
+        self,
+        folders: Iterable[Path],
+        compiled: Callable[[Path], CodeType] | None = None,
+        listed: Callable[[Path], frozenset[str]] | None = None,
+    ):
+        self.folders, self.compiled, self.listed = list(folders), compiled or _compiled, listed or names_in
 
     def find_spec(self, fullname: str, path: Sequence[str] | None = None, target: object = None) -> ModuleSpec | None:
         """Find a module or package; a folder that only has its name is one if it has modules and no manifest."""
         last = fullname.rpartition(".")[2]
         folders = self.folders if path is None else [*map(Path, path)]
+        folders = [folder for folder in folders if {last, f"{last}.py"} & self.listed(folder)]
         for folder in folders:
-            for file in (folder / last / "__init__.py", folder / f"{last}.py"):
-                if file.is_file():
-                    below = [str(file.parent)] if file.name == "__init__.py" else None
-                    return spec_from_file_location(fullname, file, loader=self, submodule_search_locations=below)
-        parts = [str(folder / last) for folder in folders if _has_modules(folder / last)]
+            package = "__init__.py" in self.listed(folder / last)
+            if package or f"{last}.py" in self.listed(folder):
+                file = folder / last / "__init__.py" if package else folder / f"{last}.py"
+                below = [str(file.parent)] if package else None
+                return spec_from_file_location(fullname, file, loader=self, submodule_search_locations=below)
+        parts = [str(folder / last) for folder in folders if _has_modules(self.listed(folder / last))]
         spec = ModuleSpec(fullname, self, origin=parts[0], is_package=True) if parts else None
         if spec is not None:
             spec.submodule_search_locations = parts
@@ -208,9 +219,16 @@ class LegacyFinder(MetaPathFinder, Loader):
             exec(self.compiled(Path(str(module.__file__))), module.__dict__)
 
 
-def _has_modules(folder: Path) -> bool:
-    named = folder.is_dir() and not any((folder / name).is_file() for name in (*_MANIFESTS, "setup.py"))
-    return named and any(folder.glob("*.py"))
+def names_in(folder: Path) -> frozenset[str]:
+    """Return the names of what is in a folder; none where there is no such folder."""
+    try:
+        return frozenset(os.listdir(folder))
+    except OSError:
+        return frozenset()
+
+
+def _has_modules(names: frozenset[str]) -> bool:
+    return not names & {*_MANIFESTS, "setup.py"} and any(name.endswith(".py") for name in names)
 
 
 def _compiled(file: Path) -> CodeType:

@@ -49,8 +49,8 @@ class Judge:
         self.used = True
         return wanted
 
-    def is_prepared(self) -> bool:
-        """Tell whether the code that runs now is prepared for the absence of a name."""
+    def lacks(self, what: str, also: str = "") -> bool:
+        """Tell whether a name isn't there, for code that is prepared for that; `also`: errors that are taken for it."""
         return False
 
     def note(self, what: str, value: object = UNKNOWN) -> None:
@@ -218,10 +218,33 @@ class StandIn(metaclass=_Kind):
         name = f"{name_of(self)} {sign} {other!r}"
         if held_by(self) is not UNKNOWN and value_of(other) is not UNKNOWN:
             return stand_in(name_of(self), work(held_by(self), value_of(other)))
-        if not isinstance(other, (str, int, float, type(None))):
+        kind = self._stand_in_class
+        if sign in ("==", "!=") and kind in (str, list, dict, tuple) and not isinstance(other, kind):
+            return sign == "!="
+        items = other if type(other) is list else [other]
+        if not all(isinstance(item, (str, int, float, type, type(None))) for item in items):
             return stand_in(name, wanted=sign == "!=")
         compared = vars(self).setdefault("_stand_in_compared", {})
-        return compared.setdefault((sign, type(other), other), stand_in(name, wanted=sign == "!="))
+        asked = (type(other) is list, *((type(item), item) for item in items))
+        equal = _implied(compared, asked) if sign in ("==", "!=") else None
+        if equal is not None:
+            return equal == (sign == "==")
+        return compared.setdefault((sign, asked), stand_in(name, wanted=sign == "!="))
+
+
+def _implied(compared: dict[tuple[str, tuple[Any, ...]], StandIn], asked: tuple[Any, ...]) -> bool | None:
+    """Return whether something is equal to what is asked about, if the answers to earlier questions say so."""
+    for (sign, before), made in compared.items():
+        said = vars(made).get("_stand_in_answers", {}).get(("",))
+        if said is None or sign not in ("==", "!="):
+            continue
+        equal = bool(said[0]) == (sign == "==")
+        if before == asked:
+            return equal
+        maybe_same = all(any(kind is _Kind for kind, _ in each[1:]) for each in (before, asked))  # names of one class
+        if equal and (before[0] != asked[0] or not maybe_same):
+            return before[0] == asked[0] and [each for _, each in before[1:]] == [each for _, each in asked[1:]]
+    return None
 
 
 def _turned(work: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
@@ -339,7 +362,7 @@ class StandInModule(ModuleType):
         if name == "__all__":
             return sorted(wanted_names(sys._getframe(1)))
         there = not name.startswith("__") and name not in self._stand_in_lacks
-        if there and judge.is_prepared() and not judge.decide(f"{self.__name__}.{name} is there", True):
+        if there and judge.lacks(f"{self.__name__}.{name} is there"):
             self._stand_in_lacks, there = {*self._stand_in_lacks, name}, False
         if not there:
             raise AttributeError(name)

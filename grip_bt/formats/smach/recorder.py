@@ -6,7 +6,7 @@ of stand-ins is answered in every way, one after the other. The code has to be t
 
 from __future__ import annotations
 
-import ast
+import dis
 import gc
 import inspect
 import os
@@ -26,13 +26,13 @@ from typing import Any
 from grip_bt import smach_compat
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_construction import CONTAINERS, CaughtError, Construction
-from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, read_source, workspace_of
+from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, names_in, read_source, workspace_of
 from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, stands_in, unwrapped
 
 from . import tracked_code
 from .facts import facts_of
 from .found import Built, Job, Record, Run, Told
-from .sandbox import BUILDER_PATIENCE, PATIENCE, Warmed, WarmProcesses, in_child, seconds_used
+from .sandbox import BUILDER_PATIENCE, PATIENCE, in_child, seconds_used
 from .surroundings import guard, ros_stand_ins, surround
 
 MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS, MOST_FRUITLESS = 100, 6, 6, 16
@@ -74,10 +74,16 @@ class Asking(stand_ins.Judge):
         self.asked.append(_told(what))
         return answer
 
-    def is_prepared(self) -> bool:
-        """Tell whether legacy code is in a `try` that takes the absence of a name."""
+    def lacks(self, what: str, also: str = "") -> bool:
+        """Answer where legacy code is in a `try` that takes the absence of a name: once for all that a line imports."""
         frame = tracked_code.caller()
-        return frame is not None and _prepared(frame)
+        if frame is None or not _prepared(frame, also):
+            return False
+        imports = dis.opname[frame.f_code.co_code[frame.f_lasti]].startswith("IMPORT")
+        place = frame.f_code.co_filename, frame.f_lineno, "" if imports else what
+        if place not in self.lasting:
+            self.lasting[place] = self.decide(what, True)
+        return not self.lasting[place]
 
     def note(self, what: str, value: object = stand_ins.UNKNOWN) -> None:
         """Keep it."""
@@ -151,32 +157,36 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
 
     It ends early where that is enough: each machine is another one by the answers, or there are too many ways. The last
     question of the last run is changed first: what it led to was nearest to it; last what comes after one that was
-    changed without any effect on an error.
+    changed without any effect on an error: it is raised again, and nothing more is asked before it.
     """
-    todo, runs, shapes, errors = [("", list[bool]())], list[Run](), defaultdict[str, set[str]](set), dict[str, int]()
+    todo, runs, shapes, fruit = [("", 0, list[bool]())], list[Run](), defaultdict[str, set[str]](set), 0
+    furthest, works = dict[str, int](), False
     while todo:
-        works = "" in errors
-        fruitless = not works and len(runs) - max(errors.values(), default=0) > MOST_FRUITLESS
+        fruitless = not works and len(runs) - fruit > MOST_FRUITLESS
         late = sum(run.seconds for run in runs) > PATIENCE / 3 or len(runs) >= most or fruitless
         hopeless = len(runs) + len(todo) > most and len(runs) >= FEW_ANSWERS and works
         if late or hopeless:
             for run in runs:
                 run.unfinished = True
             break
-        error, given = todo.pop()
+        error, before, given = todo.pop()
         run = first(given)
         runs.append(run)
-        errors.setdefault(run.error, len(runs))
+        asked, works = len(run.answers), works or not run.error
+        if asked > furthest.get(run.error, -1):
+            furthest[run.error], fruit = asked, len(runs)
         for machine in run.machines:
             shapes[machine.key].add(machine.shape)
         if run.stopped or (shapes and all(len(each) > 1 for each in shapes.values())):
             break
-        more = [(run.error, [*run.answers[:n], not run.answers[n]]) for n in range(len(given), len(run.answers))]
-        todo = [*more, *todo] if error and run.error == error else [*todo, *more]
+        more = [(run.error, asked, [*run.answers[:n], not run.answers[n]]) for n in range(len(given), asked)]
+        todo = [*more, *todo] if error and run.error == error and asked <= before else [*todo, *more]
     return runs
 
 
+_listed = lru_cache(maxsize=None)(names_in)
 _compiled: dict[Path, None] = {}
+_tries: dict[str, tracked_code.Tries] = {}
 
 
 def _code(file: Path) -> CodeType:
@@ -187,45 +197,26 @@ def _code(file: Path) -> CodeType:
 
 @lru_cache(maxsize=4000)
 def _code_of(file: Path, changed: int) -> CodeType:
-    return compile(tracked_code.tracked(read_source(file).tree), str(file), "exec")
+    tree, _tries[str(file)] = tracked_code.tracked(read_source(file).tree)
+    return compile(tree, str(file), "exec")
 
 
 class FileRecorder:
-    """Records a file of a workspace in the process that imports it, or what several files import first."""
+    """Records a file of a workspace, in the process that imports it."""
 
-    def __init__(self, job: Job):
+    def __init__(self, job: Job, workspace: Workspace):
         self.finder, self.record, self.read = StandInFinder(), Record(), set[str]()
         self.asking = Asking(job.answers, job)
         stand_ins.judged_by(self.asking)
         self.recording = Recording(self.asking)
-        self._about(job)
-
-    def _about(self, job: Job) -> None:
-        self.job, self.file = job, Path(job.file)
-        self.workspace: Workspace = workspace_of(self.file, Path(job.root) if job.root else None)
+        self.job, self.file, self.workspace = job, Path(job.file), workspace
 
     def recorded(self) -> Record:
         """Import the file, and call its builders."""
         self._prepare()
-        return self.rest(self.job)
-
-    def warmed(self, names: list[str]) -> Warmed:
-        """Import modules, which is how several files begin."""
-        self._prepare()
-        run, _ = self._run("import", self.asking, self.recording, lambda: [__import__(name) for name in names])
-        gc.freeze()
-        usable = self.recording.caught is None and not run.unfinished
-        failed = Record(runs=[run], read=sorted(self.read)) if run.error else None
-        return Warmed(usable=usable, failed=failed, answers=run.answers, tried=self.modules.tried)
-
-    def rest(self, job: Job) -> Record:
-        """Record a file that begins with what was imported here so far."""
-        self._about(job)
-        name = module_name(self.file)
+        job, name = self.job, module_name(self.file)
         tracked_code.legacy_modules.add(name)
         sys.argv = stand_ins.known("sys.argv", [job.file])
-        self.modules.folders = list(dict.fromkeys((*self.workspace.folders, *self.modules.folders)))
-        self.asking.given, self.asking.over = job.answers, False
         run, module = self._run("import", self.asking, self.recording, lambda: self._import(name))
         run.machines = list(self.recording.machines(job.file, None, vars(module) if module else {}))
         self.record.runs.append(run)
@@ -253,9 +244,9 @@ class FileRecorder:
         smach_compat.set_loggers(quiet, quiet, quiet, quiet)
         ros_stand_ins(self.finder, self.workspace)
         sys.path[:] = [path for path in sys.path if path and not _is_of(path, self.workspace)]
-        self.modules = _TrackedFinder(self.workspace, self.finder)
-        sys.meta_path.insert(2, self.modules)
-        sys.meta_path.append(_Missing(self.finder))
+        found = _TrackedFinder(self.workspace, self.finder)
+        sys.meta_path.insert(2, found)
+        sys.meta_path.append(found.missing)
         tracked_code.install()
         surround(self.workspace)
         guard(self.workspace, self.read)
@@ -393,8 +384,8 @@ class _TrackedFinder(LegacyFinder):
     """Finds what is in the workspace, wherever the path leads there, and compiles it so that it is seen."""
 
     def __init__(self, workspace: Workspace, finder: StandInFinder):
-        super().__init__(workspace.shared, _code)
-        self.workspace, self.finder, self.tried = workspace, finder, dict[str, str]()
+        super().__init__(workspace.folders, _code, _listed)
+        self.workspace, self.finder, self.missing = workspace, finder, _Missing(finder)
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
         top = fullname.partition(".")[0]
@@ -403,14 +394,12 @@ class _TrackedFinder(LegacyFinder):
         if path and not any(_is_of(each, self.workspace) for each in path):
             return None  # a part of a library
         if top in _ROS or top.endswith(_INTERFACES):  # never the real ones, nor a copy of smach_ros: they want a robot
-            return self.finder.find_spec(fullname)
+            return (self.finder if top in _ROS else self.missing).find_spec(fullname)
         found = super().find_spec(fullname, path, target)
         if found is None and path is None:
             paths = (Path(p) for p in sys.path if isinstance(p, str) and _is_of(p, self.workspace))
             self.folders += [path for path in paths if path not in self.folders]
             found = super().find_spec(fullname, path, target)
-        if path is None:
-            self.tried[fullname] = str(found.origin) if found is not None else ""
         if found is not None:
             tracked_code.legacy_modules.add(fullname)
         return found
@@ -423,10 +412,12 @@ class _Missing(StandInFinder):
         self.packages, self.made = finder.packages, finder.made
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
-        spec, frame = super().find_spec(fullname, path, target), tracked_code.caller()
-        if spec is None or frame is None or fullname == "rospy":
-            return spec
-        if _prepared(frame, "|(Base)?Exception") and not stand_ins.judge.decide(f"import {fullname}", True):
+        spec = super().find_spec(fullname, path, target)
+        if (
+            spec is not None
+            and fullname != "rospy"
+            and stand_ins.judge.lacks(f"import {fullname}", "|(Base)?Exception")
+        ):
             raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
         return spec
 
@@ -434,28 +425,19 @@ class _Missing(StandInFinder):
 def _prepared(frame: FrameType, more: str = "") -> bool:
     """Whether code is in a `try` that takes the absence of a module or of a name in one."""
     errors = rf"\b(ImportError|ModuleNotFoundError|AttributeError{more})\b"
-    tries = _tries(Path(frame.f_code.co_filename))
+    tries = _tries.get(frame.f_code.co_filename, ())
     return any(frame.f_lineno in lines and re.search(errors, caught) for lines, caught in tries)
 
 
-@lru_cache
-def _tries(file: Path) -> list[tuple[range, str]]:
-    """Return the lines of each `try`, and what it takes."""
-    tries = [node for node in ast.walk(read_source(file).tree) if isinstance(node, ast.Try)] if file.is_file() else []
-    caught = [" ".join(ast.unparse(h.type or ast.Name("Exception")) for h in node.handlers) for node in tries]
-    lines = [range(node.body[0].lineno, (node.body[-1].end_lineno or 0) + 1) for node in tries]
-    return list(zip(lines, caught, strict=True))
-
-
-def record(job: Job, warm: WarmProcesses) -> Record:
+def record(job: Job) -> Record:
     """Record a file, with all ways in which what its import asks can be answered."""
-    whole = Record()
+    whole, workspace = Record(), workspace_of(Path(job.file), Path(job.root) if job.root else None)
+    for folder in workspace.folders:
+        _listed(folder)  # here, once for all files
 
     def once(given: list[bool]) -> Run:
         job.answers = given
-        text = warm.record(job) or in_child(
-            lambda: FileRecorder(job).recorded(), lambda words: Record(error=words), PATIENCE
-        )
+        text = in_child(lambda: FileRecorder(job, workspace).recorded(), lambda words: Record(error=words), PATIENCE)
         told = Record.model_validate_json(text)
         whole.error = whole.error or told.error
         whole.read = told.read or whole.read
@@ -475,8 +457,6 @@ def record(job: Job, warm: WarmProcesses) -> Record:
 
 def main() -> None:
     """Answer jobs until stdin ends."""
-    warm = WarmProcesses(FileRecorder)
     for line in sys.stdin:
-        sys.stdout.write(record(Job.model_validate_json(line), warm).model_dump_json(exclude_defaults=True) + "\n")
+        sys.stdout.write(record(Job.model_validate_json(line)).model_dump_json(exclude_defaults=True) + "\n")
         sys.stdout.flush()
-    warm.close()

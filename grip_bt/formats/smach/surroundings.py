@@ -168,14 +168,19 @@ def _is_legacy_caller() -> bool:
     return is_tracked(frame.f_back if frame.f_code.co_name == "_call" else frame)
 
 
+def _is_set(key: object, here: bool = False) -> bool:
+    """Whether a variable is set: as was said, of which null is that it isn't, or surely `here`."""
+    given, name = stand_ins.judge.known, f"${key}"
+    return given[name] is not None if name in given else here or stand_ins.judge.decide(f"{name} is set", True)
+
+
 class _Environment(dict[str, str]):
     """The environment; legacy code gets it as stand-ins."""
 
     def __getitem__(self, key: str) -> Any:
         if not _is_legacy_caller():
             return super().__getitem__(key)
-        there = key in dict.keys(self) or f"${key}" in stand_ins.judge.known
-        if there or stand_ins.judge.decide(f"${key} is set", True):
+        if _is_set(key, super().__contains__(key)):
             return lasting(f"${key}", super().get(key, stand_ins.UNKNOWN), True)
         raise KeyError(key)
 
@@ -184,9 +189,7 @@ class _Environment(dict[str, str]):
         return lasting(f"${key}", value, default is not None) if _is_legacy_caller() else value
 
     def __contains__(self, key: object) -> bool:
-        if _is_legacy_caller():
-            return stand_ins.judge.decide(f"${key} is set", True)
-        return super().__contains__(key)
+        return _is_set(key) if _is_legacy_caller() else super().__contains__(key)
 
     def __iter__(self) -> Any:
         if _is_legacy_caller():

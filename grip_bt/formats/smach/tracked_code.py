@@ -29,10 +29,20 @@ from grip_bt.nodes.stand_ins import (
 )
 
 IS, CALL, STAR, SET, MOD, TEXT = (f"__grip_{name}__" for name in ("is", "call", "star", "set", "mod", "text"))
+Tries = list[tuple[range, str]]
+"""The lines of each `try` of a file, and what it takes."""
 _DIRECT = ("super", "locals", "globals", "vars", "dir", "eval", "exec")
 
 
 class _Tracking(ast.NodeTransformer):
+    def __init__(self) -> None:
+        self.tries: Tries = []
+
+    def visit_Try(self, node: ast.Try) -> ast.AST:
+        caught = " ".join(ast.unparse(h.type or ast.Name("Exception")) for h in node.handlers)
+        self.tries.append((range(node.body[0].lineno, (node.body[-1].end_lineno or 0) + 1), caught))
+        return self.generic_visit(node)
+
     def visit_Call(self, node: ast.Call) -> ast.expr:
         self.generic_visit(node)
         if isinstance(node.func, ast.Name) and node.func.id in _DIRECT:
@@ -77,10 +87,10 @@ def _calling(name: str, node: ast.expr, *arguments: ast.expr, keywords: Iterable
     return ast.copy_location(made, node)
 
 
-def tracked(tree: ast.Module) -> ast.Module:
+def tracked(tree: ast.Module) -> tuple[ast.Module, Tries]:
     """Return the code so that stand-ins are seen; lines stay."""
-    made = _Tracking().visit(tree)
-    return ast.fix_missing_locations(made)  # type: ignore[no-any-return]
+    tracking = _Tracking()
+    return ast.fix_missing_locations(tracking.visit(tree)), tracking.tries
 
 
 def install() -> None:
@@ -117,6 +127,8 @@ def _is(left: Any, right: Any) -> bool:
                 if same:
                     vars(one)["_stand_in_answers"]["",] = bool(other), ()
                 return same
+            if isinstance(other, type):
+                return bool(one == other)
     return left is right
 
 
@@ -230,7 +242,10 @@ def _isinstance(value: Any, kinds: Any) -> bool:
             return True
         if type(value) is not StandIn and all(issubclass(kind, StandIn) for kind in _each(kinds)):
             return False  # as was answered just now
-        return asked_once(value, f"isinstance({name_of(value)}, {' or '.join(names)})", True, *_each(kinds))
+        is_one = asked_once(value, f"isinstance({name_of(value)}, {' or '.join(names)})", True, *_each(kinds))
+        if is_one and kinds in (str, list, dict, tuple) and value._stand_in_class in (None, object):
+            surely(kinds, value)
+        return is_one
     return isinstance(value, kinds)
 
 
@@ -242,6 +257,12 @@ def _issubclass(value: Any, kinds: Any) -> bool:
     if isinstance(value, type) and not (stands_in(kinds) and not isinstance(kinds, type)):
         return issubclass(value, kinds)
     return stand_ins.judge.decide(f"issubclass({name_of(value)}, {name_of(kinds)})", True)
+
+
+def _type(value: Any) -> Any:
+    return _sure_class(value) or (
+        lifted(type, f"type({name_of(value)})", value) if type(value) is StandIn else type(value)
+    )
 
 
 def _callable(value: Any) -> bool:
@@ -263,7 +284,7 @@ SPECIAL: dict[Any, Callable[..., Any]] = {
     callable: _callable,
     set: lambda *given: stand_in(name_of(given[0])) if given and stands_in(given[0]) else TrackedSet(*given),
     print: lambda *arguments, **named: None,
-    type: lambda *given, **named: (len(given) == 1 and _sure_class(given[0])) or type(*given, **named),
+    type: lambda *given, **named: type(*given, **named) if len(given) != 1 else _type(*given),
     repr: repr,
 }
 _ORDERLESS: tuple[Any, ...] = (sorted, min, max, any, all, sum, len)

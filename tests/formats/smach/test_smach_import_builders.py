@@ -108,6 +108,34 @@ def build():
 """
 
 
+CHECKED = """
+from world.entity import Entity
+
+
+def check(what):
+    kinds = what.kind[:1] if isinstance(what.kind, list) else [what.kind]
+    if kinds[0] not in (Entity, str) or what.kind not in (Entity, list):
+        raise TypeError(what)
+
+
+def build(place, item, room):
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        for number in range(8):
+            for each in (place, item, room):
+                check(each)
+            smach.StateMachine.add('A%d' % number, Step((place, item, room)))
+    return sm
+"""
+OF_TYPE = """
+def build(rooms):
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        if type(rooms) is list:
+            smach.StateMachine.add('A', Step(), {'done': 'B'})
+        smach.StateMachine.add('B', Step())
+    return sm
+"""
 LOGGED = """
 import os
 import rospy
@@ -139,12 +167,15 @@ READ_AGAIN = LOGGED.replace("'A', Step()", "'A' if os.path.isdir(FOLDER) else 'B
         (UNPACKED, ["exact"]),
         (ASKED_OFTEN, ["exact"]),
         (TOO_OFTEN, ["partial"]),
+        (CHECKED, ["exact"]),
+        (OF_TYPE, ["partial"]),
         (LOGGED, ["exact"]),
         (READ_AGAIN, ["partial"]),
     ],
     ids=[
         *("a state with a machine", "filled by a method", "a kind of container", "a set", "labels of a set"),
         *("unpacked", "one question often", "more questions than are tried after a first try that raises"),
+        *("checked by each state", "of a type"),
         *("what is written", "what is written and looked for"),
     ],
 )
@@ -152,6 +183,40 @@ def test_what_is_built_is_found_and_is_exact_where_nothing_decides(text, verdict
     file = tmp_path / "legacy.py"
     file.write_text(HEAD + text)
     assert [c.verdict for c in record(file).containers] == verdicts
+
+
+def test_a_star_import_of_what_is_missing_gives_no_names_that_are_only_written(tmp_path):
+    """Such as the name of the module that comes next: it would hide the package's own one."""
+    package = tmp_path / "walks"
+    package.mkdir()
+    (package / "__init__.py").write_text("from .steps import Step\nfrom .goals import *\nfrom .mission import *\n")
+    (package / "steps.py").write_text(HEAD)
+    (package / "goals.py").write_text("from walk_msgs.msg import *\nfrom .steps import Step\nGOAL = Goal()\n")
+    (package / "mission.py").write_text(
+        "import smach\nfrom . import steps\n\n\ndef build():\n    sm = smach.StateMachine(outcomes=['done'])\n"
+        "    with sm:\n        smach.StateMachine.add('A', steps.Step())\n    return sm\n"
+    )
+    (found,) = record(package / "mission.py", tmp_path).containers
+    assert (found.verdict, found.added["A"].state.cls) == ("exact", "Step")
+
+
+@pytest.mark.parametrize(
+    ("given", "labels"),
+    [
+        ({"$ROBOT": "r2", "import talk_msgs": True}, ["TALK", "r2"]),
+        ({"$ROBOT": None, "import talk_msgs": False}, ["B"]),
+    ],
+)
+def test_what_is_installed_and_set_can_be_said(given, labels, tmp_path):
+    file = tmp_path / "legacy.py"
+    file.write_text(
+        HEAD + "import os\ntry:\n    from talk_msgs.msg import Talk\nexcept ImportError:\n    Talk = None\n\n\n"
+        "def build():\n    sm = smach.StateMachine(outcomes=['done'])\n    with sm:\n"
+        "        for label in (['TALK'] if Talk else []) + [os.environ.get('ROBOT') or 'B']:\n"
+        "            smach.StateMachine.add(label, Step())\n    return sm\n"
+    )
+    (found,) = record(file, given={"": given}).containers
+    assert (found.verdict, list(found.added)) == ("exact", labels)
 
 
 def test_a_machine_that_a_library_makes_runs_in_the_place_of_what_is_executed(tmp_path):
