@@ -27,6 +27,11 @@ def _nearest(word: str, allowed: tuple[str, ...]) -> str:
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
+def plural(n: int, word: str) -> str:
+    """Return a number of things in words, such as `1 run` or `2 runs`."""
+    return f"{n} {word}{'s' * (n != 1)}"
+
+
 def listing(words: Iterable[str], nothing: str = "none") -> str:
     """Return the words joined by commas for an error message, or `nothing`."""
     return ", ".join(words) or nothing

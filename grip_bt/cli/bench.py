@@ -16,7 +16,7 @@ from grip_bt.app.campaign.results import Results, TrialRow, alone, begin, differ
 from grip_bt.app.campaign.statistics import reason, summary, wilson
 from grip_bt.app.campaign.trials import Trials, check
 from grip_bt.app.project.folder import Project, find_project
-from grip_bt.base.errors import NotWritableError, nearest
+from grip_bt.base.errors import NotWritableError, nearest, plural
 from grip_bt.cli import STOPPED, terminal
 from grip_bt.cli.parser import add_no_code, whole
 from grip_bt.cli.terminal import on_stop
@@ -145,10 +145,10 @@ def _own_folder(project: Project) -> Path:
 
 def _opening(campaign: Campaign, results: Results, left: int, workers: int) -> str:
     kept = f", {len(results.rows)} are there" if results.rows else ""
-    ways = len(campaign.file.variants)
+    variants, seeds = plural(len(campaign.file.variants), "variant"), plural(len(campaign.seeds), "seed")
     return (
-        f"{campaign.name}: {ways} variant{'s' if ways > 1 else ''} on {len(campaign.seeds)} seeds{kept}; "
-        f"{left} trials to run, {f'{workers} at a time' if workers else 'as many at a time as the cluster takes'}"
+        f"{campaign.name}: {variants} on {seeds}{kept}; {plural(left, 'trial')} to run, "
+        f"{f'{workers} at a time' if workers else 'as many at a time as the cluster takes'}"
     )
 
 

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.wiring.parts import report_if_slow
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import GripError, plural
 from grip_bt.base.failures import ServerLostError, ServerTimeOutError
 from grip_bt.base.message_store.files import plain_of, text_of
 from grip_bt.base.operation import Operation
@@ -137,8 +137,7 @@ def _run_removal(args: argparse.Namespace) -> None:
 
 def _run_save(args: argparse.Namespace) -> None:
     with _server() as server:
-        count = _done(server.save())
-    print(f"{count} messages saved; they survive a restart of the server")
+        print(f"{plural(_done(server.save()), 'message')} saved; they survive a restart of the server")
 
 
 def _run_watch(args: argparse.Namespace) -> None:

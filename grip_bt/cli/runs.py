@@ -15,7 +15,7 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.execute import make_room
 from grip_bt.app.runs.export import export_run
 from grip_bt.app.runs.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
-from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.errors import UnknownNameError, plural
 from grip_bt.cli.parser import number
 from grip_bt.cli.terminal import tell
 from grip_bt.runtime import Event, JournalReader, RunSnapshot
@@ -81,9 +81,8 @@ def _prune(args: argparse.Namespace) -> int:
         return _no_runs(args, file)
     pruned = make_room(file, limit, give_back=True)
     held, allowed = (ByteSize(size).human_readable(decimal=True) for size in (pruned.after, limit))
-    count = len(pruned.runs)
     data = {"removed": pruned.runs, "before": pruned.before, "after": pruned.after}
-    tell(args.json, data, [f"{count} run{'s' if count != 1 else ''} removed; {file} holds {held} of {allowed}"])
+    tell(args.json, data, [f"{plural(len(pruned.runs), 'run')} removed; {file} holds {held} of {allowed}"])
     return 0
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.project.folder import find_project
-from grip_bt.base.errors import DocumentError, EditError, GripError
+from grip_bt.base.errors import DocumentError, EditError, GripError, plural
 from grip_bt.base.files import replace_text
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.tree import read_file
@@ -113,7 +113,7 @@ def run_apply(args: argparse.Namespace) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
     replace_text(Path(args.task), document.text)
-    print(f"{args.task}: {len(commands)} command{'s' * (len(commands) != 1)} applied")
+    print(f"{args.task}: {plural(len(commands), 'command')} applied")
 
 
 def _listed(words: str) -> list[Any]:

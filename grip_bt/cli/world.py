@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.worlds import checked_world
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import GripError, plural
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.cli.parser import add_actions
 from grip_bt.cli.terminal import tell
@@ -38,7 +38,7 @@ def add_world(parser: argparse.ArgumentParser) -> None:
         {
             "list": (_list_worlds, "the worlds of the project in this folder, and the built-in ones"),
             "show": (_show_world, "what stands in a world, which regions and cameras it has"),
-            "check": (_check_worlds, "everything that is wrong with worlds' files; exit status 1 for errors"),
+            "check": (_check_worlds, "all that is wrong with worlds' files, on 20 seeds; exit status 1 for errors"),
             "new": (_new_world, "copy a built-in world into the project, to be changed"),
         },
     )
@@ -104,13 +104,13 @@ def _check(args: argparse.Namespace, given: Sequence[str], files: dict[str, Path
     project = _here()
     names = given or [name for name, file in files.items() if file.parent.parent == project.folder]
     found = [(name, str(fault)) for name in names for fault in faults(name, project)]
-    lines = (*map(": ".join, found), f"{len(names)} {what}: {len(found)} errors")
+    lines = (*map(": ".join, found), f"{plural(len(names), what)} checked: {plural(len(found), 'error')}")
     tell(args.json, {name: [fault for of, fault in found if of == name] for name in names}, lines)
     return int(bool(found))
 
 
 def _check_worlds(args: argparse.Namespace) -> int:
-    return _check(args, args.worlds, world_files(_here().folder), _faults_of_world, f"worlds checked on {SEEDS} seeds")
+    return _check(args, args.worlds, world_files(_here().folder), _faults_of_world, "world")
 
 
 def _faults_of_world(name: str, project: Project) -> Iterator[GripError]:
@@ -128,7 +128,7 @@ def _faults_of_world(name: str, project: Project) -> Iterator[GripError]:
 
 
 def _check_objects(args: argparse.Namespace) -> int:
-    return _check(args, args.objects, objects.object_files(_here().folder), _faults_of_object, "objects checked")
+    return _check(args, args.objects, objects.object_files(_here().folder), _faults_of_object, "object")
 
 
 def _faults_of_object(name: str, project: Project) -> Iterator[GripError]:

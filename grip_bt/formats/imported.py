@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from pydantic import JsonValue
 
-from grip_bt.base.errors import GripError, listing
+from grip_bt.base.errors import GripError, listing, plural
 from grip_bt.base.files import replace_text
 from grip_bt.base.issue import Issue, Severity, ordered
 from grip_bt.task import Task, model
@@ -184,8 +184,8 @@ class Imported:
         for name, task in () if several else self.tasks.items():
             nodes = [node for _, node in model.walk(task.root)]
             types = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in self.manifests})
-            sizes = f"{len(nodes)} nodes, {len(task.data)} variables, {len(task.inputs)} inputs"
-            lines.append(f"task {name}: {sizes}, {len(task.outcomes)} outcomes")
+            sizes = {"node": nodes, "variable": task.data, "input": task.inputs, "outcome": task.outcomes}
+            lines.append(f"task {name}: {', '.join(plural(len(all_), word) for word, all_ in sizes.items())}")
             lines.append(f"  node types: {listing(types)}")
         lines += [f"  {issue}" for issue in self.issues]
         if self.manifests:
@@ -210,7 +210,7 @@ def _totals(items: Iterable[Item]) -> list[str]:
     for issue in (issue for item in items for issue in item.issues):
         cause = re.sub(r"`[^`]*`|'[^']*'|\d+", "…", issue.message)
         causes.setdefault((issue.severity, cause), []).append(issue)
-    lines = [f"{len(items)} machines in {len({item.source for item in items})} files: {_counts(items)}"]
+    lines = [f"{plural(len(items), 'machine')} in {plural(len({i.source for i in items}), 'file')}: {_counts(items)}"]
     for (severity, _), issues in sorted(causes.items(), key=lambda entry: -len(entry[1])):
         if severity != "info":
             place = f"{issues[0].source}:{issues[0].line}"

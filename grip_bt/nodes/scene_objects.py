@@ -6,7 +6,7 @@ from collections.abc import Callable
 from fnmatch import fnmatchcase
 from typing import TypeVar
 
-from grip_bt.base.errors import DocumentError, UnknownNameError, listing
+from grip_bt.base.errors import DocumentError, UnknownNameError, listing, plural
 from grip_bt.base.failures import BadFileError, NoObjectError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Scene
@@ -58,7 +58,7 @@ class AddShape(_SceneLeaf):
             raise UnknownNameError("shape", kind, SHAPES, where=self.path)
         count, make = SHAPES[kind]
         if len(size) != count:
-            raise ValueError(f"{self.path}: a {kind} has {count} length{'s' * (count > 1)} [m], not {size}")
+            raise ValueError(f"{self.path}: a {kind} has {plural(count, 'length')} [m], not {size}")
         self._solid: Solid = make(tuple(size)) if kind == "box" else make(*size)
 
     def change(self, scene: Scene) -> Status:

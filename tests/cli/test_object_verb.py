@@ -39,7 +39,7 @@ def test_a_mesh_becomes_an_object_that_worlds_take(project, capsys):
     assert "tea_can: it is convex" in said
     assert "size: [0.06, 0.06, 0.1]" in said
     assert main(["object", "check"]) == 0
-    assert "1 objects checked: 0 errors" in capsys.readouterr().out
+    assert "1 object checked: 0 errors" in capsys.readouterr().out
     assert main(["world", "new", "mine"]) == 0
     (project / "worlds" / "mine.yaml").write_text("grip: 1\nobjects: {it: {model: tea_can, at: [0.5, 0, 0]}}\n")
     assert main(["world", "show", "mine"]) == 0

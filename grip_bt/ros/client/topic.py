@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy, qos_check_compatible
 
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import GripError, plural
 from grip_bt.base.failures import CanceledError, ServerTimeOutError
 from grip_bt.base.operation import Operation
 from grip_bt.task.catalog.component_file import Qos
@@ -124,7 +124,7 @@ class TopicReader(Client[Request]):
             return said + instead(self._bus.node, self.name, wanted, "published")
         others = f"; others publish it as {', '.join(wrong)}" if wrong else ""
         why = _misfit((p.qos_profile, self._profile or p.qos_profile) for p in found if p.topic_type == wanted)
-        return f"{right} publisher{'s' if right > 1 else ''}, but no message arrived{why}{others}"
+        return f"{plural(right, 'publisher')}, but no message arrived{why}{others}"
 
     def _look(self, now: float) -> None:
         """Subscribe with what the publishers offer; again when that changes."""
