@@ -128,13 +128,13 @@ class TimedExecutor(FakeExecutor):
         self._motion: _Motion | None = None
 
     def state(self) -> JointState:
-        position, velocity = self._position, np.zeros(len(self._names))
+        position, velocity = self._position, np.zeros(len(self.joint_names))
         if self._motion is not None:
             (position,), (velocity,), _ = self._motion.trajectory.sampled(np.array([self._progress(self._motion)]))
-        return JointState(self._names, position, velocity, time=self._schedule.stamp())
+        return JointState(self.joint_names, position, velocity, time=self._schedule.stamp())
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        if trajectory.names == self._names:
+        if trajectory.names == self.joint_names:
             self.put_back(self.state().position)
         return super().execute(trajectory)
 

@@ -101,7 +101,7 @@ class ArmCommander:
         wrench: Callable[[], Array] | None = None,
     ):
         self._wrench = wrench
-        self._name, self._group, self._hand, self._settings = setup.name, setup.group, setup.hand, setup.settings
+        self.name, self._group, self._hand, self._settings = setup.name, setup.group, setup.hand, setup.settings
         self._more_states, self._taught = setup.states, setup.taught
         self._model, self._planner, self._executor = model, planner, executor
         self._scene, self._others = scene, others
@@ -109,10 +109,6 @@ class ArmCommander:
         self._lock = threading.Lock()
         self._reached_by: list[tuple[Pose, JointState]] = []
         self.ways = Ways()
-
-    @property
-    def name(self) -> str:
-        return self._name
 
     def state(self) -> JointState:
         return self._executor.state()
@@ -123,13 +119,13 @@ class ArmCommander:
     def wrench(self) -> Array:
         if self._wrench is None:
             raise SensorError(
-                f"arm {self._name!r} has no force-torque sensor; over ROS, name its topic:"
-                f" `ros: {{controllers: {{{self._name}: {{..., wrench: /TOPIC}}}}}}`"
+                f"arm {self.name!r} has no force-torque sensor; over ROS, name its topic:"
+                f" `ros: {{controllers: {{{self.name}: {{..., wrench: /TOPIC}}}}}}`"
             )
         return self._wrench()
 
     def named_states(self) -> Mapping[str, JointState]:
-        return {**self._taught.states(self._name), **self._described_states()}
+        return {**self._taught.states(self.name), **self._described_states()}
 
     def plan(
         self,
@@ -148,7 +144,7 @@ class ArmCommander:
             UnknownNameError: there is no such named state, or no such freedom.
         """
         if free not in FREEDOMS:
-            raise UnknownNameError("freedom of a pose", free, FREEDOMS, where=f"arm {self._name!r}")
+            raise UnknownNameError("freedom of a pose", free, FREEDOMS, where=f"arm {self.name!r}")
         goal = self._goal(goal)
         hints = () if isinstance(goal, JointState) else self._known_ways_to(goal)
         return self._ask(PlanTo(self._situation(start), goal, hints, free, constraint))
@@ -169,7 +165,7 @@ class ArmCommander:
         return self._ask(PlanThrough(self._situation(start), named, constraint))
 
     def plan_from_trajectory(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
-        require_joints(trajectory.names, self._executor.joint_names, self._name)
+        require_joints(trajectory.names, self._executor.joint_names, self.name)
         return self._ask(
             CheckTrajectory(replace(self._situation(), settings=self._own_settings()), trajectory, slow_down)
         )
@@ -198,11 +194,11 @@ class ArmCommander:
     def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
         state = self._executor.state()
         value = self.grasp_pose() if pose else JointState(state.names, state.position)
-        self._taught.put(self._name, name, value, self._described_states())
+        self._taught.put(self.name, name, value, self._described_states())
         return value
 
     def taught(self) -> Mapping[str, JointState | Pose]:
-        return self._taught.of(self._name)
+        return self._taught.of(self.name)
 
     def execute(self, plan: Plan) -> Operation[JointState]:
         """Execute a plan; the result is what was measured at the end.
@@ -212,7 +208,7 @@ class ArmCommander:
         may be stored, or made by anybody. Those of move_group are left to its controllers.
         """
         try:
-            require_joints(plan.trajectory.names, self._executor.joint_names, self._name)
+            require_joints(plan.trajectory.names, self._executor.joint_names, self.name)
             limits = None if plan.planner == MOVE_GROUP else self._model.limits_of(plan.trajectory.names)
             if limits is not None:
                 refuse_beyond_limits(plan.trajectory, limits)
@@ -242,7 +238,7 @@ class ArmCommander:
             return goal
         states = self.named_states()
         if goal not in states:
-            raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
+            raise UnknownNameError("named state", goal, states, where=f"arm {self.name!r}")
         return states[goal]
 
     def _situation(self, given: JointState | None = None) -> Situation:

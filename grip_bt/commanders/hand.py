@@ -105,21 +105,14 @@ class HandCommander:
     ):
         self._touch = touch
         self._reach, self._measure, self._spans = reach, spans, tuple[Span, ...]()
-        self._name, self._port, self._postures = name, port, dict(postures)
+        self.name, self._port, self.state, self._postures = name, port, port.state, dict(postures)
         self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
         self._limits = dict(limits or {})
         self._taught = taught if taught is not None else TaughtStates()
         self._closing: Closing | None = None
 
-    @property
-    def name(self) -> str:
-        return self._name
-
-    def state(self) -> JointState:
-        return self._port.state()
-
     def named_states(self) -> Mapping[str, JointState]:
-        return {**self._taught.states(self._name), **self._postures}
+        return {**self._taught.states(self.name), **self._postures}
 
     def fingers(self) -> Mapping[str, tuple[str, ...]]:
         return dict(self._fingers)
@@ -135,7 +128,7 @@ class HandCommander:
 
     def slips(self) -> Mapping[str, float]:
         if self._touch is None:
-            raise SensorError(f"hand {self._name!r} has no sensors of slip; over ROS, `ros: controllers` names them")
+            raise SensorError(f"hand {self.name!r} has no sensors of slip; over ROS, `ros: controllers` names them")
         return self._touch.slips()
 
     def open(self, posture: JointState | str = "open") -> Operation[JointState]:
@@ -145,7 +138,7 @@ class HandCommander:
         self, posture: JointState | str = "closed", torque_limit: float | None = None, force: float | None = None
     ) -> Operation[JointState]:
         if torque_limit is not None and force is not None:
-            raise ValueError(f"hand {self._name!r}: closes with at most a torque, or to a force, not with both")
+            raise ValueError(f"hand {self.name!r}: closes with at most a torque, or to a force, not with both")
         goal = self._posture(posture)
         return self._move(goal, torque_limit, CLOSING_TIME, force).then(lambda measured: self._held(goal, measured))
 
@@ -163,7 +156,7 @@ class HandCommander:
         given = (("torque limit [N m]", torque_limit), ("time [s]", seconds), ("force [N]", force))
         for what, number in given:
             if number is not None and not 0 < number < np.inf:
-                raise ValueError(f"hand {self._name!r}: a {what} is a positive number, not {number}")
+                raise ValueError(f"hand {self.name!r}: a {what} is a positive number, not {number}")
         goal = self._posture(posture)
         self._closing = None
         return self._port.move(goal, seconds or OPENING_TIME, torque_limit, force)
@@ -171,9 +164,9 @@ class HandCommander:
     def finger_posture(self, closing: Mapping[str, float]) -> JointState:
         for finger, share in closing.items():
             if finger not in self._fingers:
-                raise UnknownNameError("finger", finger, self._fingers, where=f"hand {self._name!r}")
+                raise UnknownNameError("finger", finger, self._fingers, where=f"hand {self.name!r}")
             if not 0 <= share <= 1:
-                raise ValueError(f"hand {self._name!r}: finger {finger!r} closes from 0 to 1, not {share}")
+                raise ValueError(f"hand {self.name!r}: finger {finger!r} closes from 0 to 1, not {share}")
         start, end = self._postures["open"].as_mapping(), self._postures["closed"].as_mapping()
         part = {joint: share for finger, share in closing.items() for joint in self._fingers[finger]}
         return JointState.from_mapping({j: start[j] + (end[j] - start[j]) * share for j, share in part.items()})
@@ -182,15 +175,15 @@ class HandCommander:
         for name, position in targets.items():
             if len(position) != 3 or not np.isfinite(position).all():
                 raise ValueError(
-                    f"hand {self._name!r}: {name!r} goes to a position of 3 finite numbers [m], not to {list(position)}"
+                    f"hand {self.name!r}: {name!r} goes to a position of 3 finite numbers [m], not to {list(position)}"
                 )
         if self._reach is None:
-            raise ValueError(f"hand {self._name!r}: its geometry isn't known, so its fingertips can't be placed")
+            raise ValueError(f"hand {self.name!r}: its geometry isn't known, so its fingertips can't be placed")
         return self._reach(targets, self._port.state(), frame)
 
     def spans(self) -> Sequence[Span]:
         if self._measure is None:
-            raise ValueError(f"hand {self._name!r}: its geometry isn't known, so no grasps can be proposed for it")
+            raise ValueError(f"hand {self.name!r}: its geometry isn't known, so no grasps can be proposed for it")
         if not self._spans:
             goal = self._postures["closed"]
             start, names = self._postures["open"].ordered(goal.names), goal.names
@@ -210,7 +203,7 @@ class HandCommander:
     def teach(self, name: str) -> JointState:
         state = self._port.state()
         measured = JointState(state.names, state.position)
-        self._taught.put(self._name, name, measured, self._postures)
+        self._taught.put(self.name, name, measured, self._postures)
         return measured
 
     def stop(self) -> None:
@@ -220,17 +213,17 @@ class HandCommander:
         self._closing = Closing(goal, measured)
         if self.contacts():
             return Operation.finished(measured)
-        return Operation.failed(NoContactError(f"hand {self._name!r} closed without touching anything"))
+        return Operation.failed(NoContactError(f"hand {self.name!r} closed without touching anything"))
 
     def _posture(self, posture: JointState | str) -> JointState:
         if isinstance(posture, str):
             known = self.named_states()
             if posture not in known:
-                raise UnknownNameError("posture", posture, known, where=f"hand {self._name!r}")
+                raise UnknownNameError("posture", posture, known, where=f"hand {self.name!r}")
             posture = known[posture]
         positions = self._port.state().as_mapping()
         for joint, position in posture.as_mapping().items():
             if joint not in positions:
-                raise UnknownNameError("joint", joint, positions, where=f"hand {self._name!r}")
+                raise UnknownNameError("joint", joint, positions, where=f"hand {self.name!r}")
             positions[joint] = position
         return JointState.from_mapping(positions)

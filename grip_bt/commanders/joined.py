@@ -128,20 +128,16 @@ class JoinedExecutor:
 
     def __init__(self, *parts: Executor):
         self._parts = parts
-        self._names = tuple(name for part in parts for name in part.joint_names)
-        if len(set(self._names)) != len(self._names):
-            raise ValueError(f"two executors move the same joint: {sorted(self._names)}")
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        return self._names
+        self.joint_names = tuple(name for part in parts for name in part.joint_names)
+        if len(set(self.joint_names)) != len(self.joint_names):
+            raise ValueError(f"two executors move the same joint: {sorted(self.joint_names)}")
 
     def state(self) -> JointState:
         return _merged([part.state() for part in self._parts])
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        if set(trajectory.names) != set(self._names):
-            raise ValueError(f"the trajectory moves {trajectory.names}, these executors {self._names}")
+        if set(trajectory.names) != set(self.joint_names):
+            raise ValueError(f"the trajectory moves {trajectory.names}, these executors {self.joint_names}")
         starts = {k: partial(part.execute, trajectory.of(part.joint_names)) for k, part in enumerate(self._parts)}
         return all_of(starts).then(lambda ends: Operation.finished(_merged([ends[k] for k in starts])))
 

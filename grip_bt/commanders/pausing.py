@@ -110,15 +110,11 @@ class _InParts(Generic[J]):
         rest: Callable[[J, float], J],
         now: Callable[[], float] = time.monotonic,
     ):
-        self._port, self._do, self._rest, self._now = port, do, rest, now
+        self.joint_names, self._port, self._do, self._rest, self._now = port.joint_names, port, do, rest, now
         self._lock = threading.RLock()  # a part that ends while it is changed is heard of in the middle of that
         self._paused = False
         self._motion: _Motion[J] | None = None
         self._whole: Operation[JointState] = Operation.failed(CanceledError("nothing was begun"))
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        return self._port.joint_names
 
     def state(self) -> JointState:
         return self._port.state()

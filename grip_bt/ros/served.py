@@ -9,8 +9,10 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Camera, Executor, HandPort
 from grip_bt.base.values import DepthImage, Image, Pose, RgbdFrame
@@ -80,12 +82,47 @@ def publish_joints(bus: Bus, topic: str, executors: Sequence[Measured], now: Cal
     return Published("grip_joint_states", 1 / RATE, once)
 
 
-TOPICS = {
-    "image": ("color/image_raw", "sensor_msgs/msg/Image"),
-    "depth": ("depth/image_raw", "sensor_msgs/msg/Image"),
-    "info": ("color/camera_info", "sensor_msgs/msg/CameraInfo"),
-    "points": ("points", "sensor_msgs/msg/PointCloud2"),
+def publish_felt(
+    bus: Bus,
+    topics: Mapping[str, str],
+    now: Callable[[], float],
+    measure: Callable[[], Mapping[str, Any]],
+    type_: type,
+    message_of: Callable[[str, Any, float], Message],
+) -> Published:
+    """Publish what links of a robot feel, each on its topic, while somebody listens to one of these.
+
+    Args:
+        topics: link -> topic.
+        now: the time of stamps [s].
+        measure: returns link -> what is felt; 0 for those that it doesn't name.
+        message_of: makes the message, of this type, of a link at a time [s].
+    """
+    made = bus.ask(lambda: {link: bus.node.create_publisher(type_, topic, 10) for link, topic in topics.items()})
+
+    def once() -> None:
+        if wanted := bus.ask(lambda: [link for link, each in made.items() if each.get_subscription_count()]):
+            felt, stamp = measure(), now()
+            for link in wanted:
+                bus.post(partial(made[link].publish, message_of(link, felt.get(link, 0.0), stamp)))
+
+    return Published("grip_touch", 1 / RATE, once)
+
+
+def wrench_to_message(link: str, borne: Array, time: float) -> WrenchStamped:
+    """Return force [N] and torque [N m] in a link's frame, shape (6,), at a time [s]."""
+    x, y, z, *torque = borne.tolist()
+    wrench = Wrench(force=Vector3(x=x, y=y, z=z), torque=Vector3(**dict(zip("xyz", torque, strict=True))))
+    return WrenchStamped(header=header(link, time), wrench=wrench)
+
+
+TOPICS: Mapping[str, tuple[str, str, Callable[[RgbdFrame], Message]]] = {
+    "image": ("color/image_raw", "sensor_msgs/msg/Image", lambda taken: image_to_message(taken.image)),
+    "depth": ("depth/image_raw", "sensor_msgs/msg/Image", lambda taken: depth_to_message(taken.depth)),
+    "info": ("color/camera_info", "sensor_msgs/msg/CameraInfo", lambda taken: camera_to_message(taken.depth.info)),
+    "points": ("points", "sensor_msgs/msg/PointCloud2", lambda taken: cloud_to_message(taken.cloud())),
 }
+"""Part of a frame -> its topic, the topic's type, and what makes its message."""
 
 SHARE = 0.4
 """What takes the frames may spend no more than this share of its time on them: it moves the robot too."""
@@ -104,7 +141,7 @@ class CameraPublisher(Published):
 
     def __init__(self, bus: Bus, name: str, camera: Camera, rate: float = 5.0, now: Callable[[], float] = time.time):
         self._camera, self._now, self.frame = camera, now, f"{name}_optical"
-        self.topics = {part: f"/{name}/{topic}" for part, (topic, _) in TOPICS.items()}
+        self.topics = {part: f"/{name}/{topic}" for part, (topic, *_) in TOPICS.items()}
         self._writers = {part: bus.writer(TOPICS[part][1], topic) for part, topic in self.topics.items()}
         for writer in self._writers.values():
             writer.advertise()
@@ -123,14 +160,8 @@ class CameraPublisher(Published):
     def _send(self, taken: RgbdFrame, stamp: float, wanted: list[str]) -> None:
         info = replace(taken.depth.info, pose=Pose(frame=self.frame))
         here = RgbdFrame(Image(taken.image.pixels, self.frame, stamp), DepthImage(taken.depth.depth, info, stamp))
-        messages = {
-            "image": lambda: image_to_message(here.image),
-            "depth": lambda: depth_to_message(here.depth),
-            "info": lambda: camera_to_message(info),
-            "points": lambda: cloud_to_message(here.cloud()),
-        }
         for part in wanted:
-            message = messages[part]()
+            message = TOPICS[part][2](here)
             message.header.stamp.sec, message.header.stamp.nanosec = int(stamp), int(stamp % 1 * 1e9)
             message.header.frame_id = self.frame
             self._writers[part].publish(message)

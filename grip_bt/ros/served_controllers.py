@@ -3,7 +3,8 @@
 A goal begins when it is accepted, as ros2_control's joint_trajectory_controller does it, from where the joints are and
 as fast as they move then, by a cubic spline through its points; one that comes while another is followed takes its
 place, and the other is aborted. One that is cancelled ends as such when the joints have come to rest; until then its
-owner hears, by feedback, where the joints should be and are.
+owner hears, by feedback, where the joints should be and are. A trajectory on the topic beside the action is a goal that
+nobody waits for.
 """
 
 from __future__ import annotations
@@ -11,16 +12,18 @@ from __future__ import annotations
 import threading
 import time
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.task import Future
 
-from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.errors import GripError, UnknownNameError, listing
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
@@ -37,7 +40,8 @@ AT_ONCE = 0.01
 TELL = 0.05
 """How often feedback tells where the joints are [s]."""
 NEAR = 1e-3
-"""A first point that is due sooner is where the motion begins [s]."""
+"""A first point that is due sooner is where the motion begins [s]; so far beyond limits is at them [rad or m]."""
+Limits = Mapping[str, tuple[float, float]]
 
 
 class Controller:
@@ -45,31 +49,26 @@ class Controller:
 
     Args:
         action: such as `/arm_controller/follow_joint_trajectory`.
+        limits: joint -> the lowest and the highest position that it may be sent to [rad or m].
 
     Attributes:
         active: whether it takes goals.
+        name: as the controller manager has it.
     """
 
     action_type: ClassVar[str]
     kind: ClassVar[str]
 
-    def __init__(self, bus: Bus, action: str, executor: Executor | HandPort):
+    def __init__(self, bus: Bus, action: str, executor: Executor | HandPort, limits: Limits):
         ensure_package("control_msgs")
-        self.action, self._bus, self._executor = action, bus, executor
-        self.active = True
+        self.action, self._bus, self._executor, self.joints = action, bus, executor, executor.joint_names
+        self._limits = limits
+        self.active, self.name = True, action.strip("/").rpartition("/")[0]
         self._type = load_type(self.action_type)
         self._lock = threading.Lock()
         self._newest: _Goal | None = None
         self._goals: dict[bytes, _Goal] = {}
         self._server = bus.ask(self._make)
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        return self._executor.joint_names
-
-    @property
-    def name(self) -> str:
-        return self.action.strip("/").rpartition("/")[0]
 
     def deactivate(self) -> None:
         """End a motion under way, and take no more goals until it is active again."""
@@ -89,25 +88,41 @@ class Controller:
             self._type,
             self.action,
             execute_callback=self._ended,
-            goal_callback=self._asked,
+            goal_callback=lambda goal: GoalResponse.ACCEPT if self._takes(goal) else GoalResponse.REJECT,
             handle_accepted_callback=self._accepted,
             cancel_callback=self._cancel,
         )
 
-    def _asked(self, goal: Message) -> GoalResponse:
-        return GoalResponse.ACCEPT if self.active and self._takes(goal) else GoalResponse.REJECT
+    def _takes(self, asked: Message) -> bool:
+        refusal = self._refusal(asked) if self.active else "it is inactive"
+        if refusal:
+            self._bus.node.get_logger().warning(f"{self.name} refuses a goal: {refusal}")
+        return not refusal
 
     def _accepted(self, handle: ServerGoalHandle) -> None:
-        turn: Operation[None] = Operation(on_cancel=lambda: None)  # it ends when the motion can begin
-        goal = _Goal(handle, Future(executor=self._bus.node.executor), turn, turn.then(lambda _: self._begin(goal)))
-        self._goals[bytes(handle.goal_id.uuid)] = self._newest = goal
-        goal.motion.add_done_callback(partial(self._over, goal))
+        self._take(handle.request, handle)
         handle.execute()
+
+    def _take(self, asked: Message, handle: ServerGoalHandle | None = None) -> None:
+        turn: Operation[None] = Operation(on_cancel=lambda: None)  # it ends when the motion can begin
+        future = Future(executor=self._bus.node.executor)
+        goal = _Goal(asked, handle, future, turn, turn.then(lambda _: self._begin(goal)))
+        self._newest = goal
+        if handle is not None:
+            self._goals[bytes(handle.goal_id.uuid)] = goal
+        goal.motion.add_done_callback(lambda: self._bus.post(lambda: self._over(goal)))
         # Not on this thread: the executor may have to ask another process where the joints are.
         threading.Thread(target=self._follow, args=(goal,), name="grip_follow", daemon=True).start()
 
     def _over(self, goal: _Goal) -> None:
-        self._bus.post(lambda: goal.future.set_result(_error_of(goal.motion)))
+        error = None
+        try:
+            goal.motion.result()
+        except (GripError, ValueError) as raised:
+            error = raised
+        if goal.handle is None and not isinstance(error, CanceledError | None):
+            self._bus.node.get_logger().warning(f"{self.name} gives up: {error}")
+        goal.future.set_result(error)
 
     async def _ended(self, handle: ServerGoalHandle) -> Message:
         goal = self._goals[bytes(handle.goal_id.uuid)]
@@ -139,17 +154,25 @@ class Controller:
                 self._executor.stop()  # it has taken the place of another one all the same
             goal.turn.succeed(None)
         began = time.monotonic()
-        while not goal.motion.wait(TELL):
-            self._tell(goal, time.monotonic() - began)
+        while goal.handle is not None and not goal.motion.wait(TELL):
+            with suppress(GripError):  # the motion ends of the same
+                self._bus.post(partial(goal.tell, self._feedback(goal, time.monotonic() - began)))
 
     def _begin(self, goal: _Goal) -> Operation[JointState]:
         if goal is not self._newest:  # threads come here in any order, and a later goal takes the place of this one
             raise CanceledError("a newer goal came")
         return self._move(goal)
 
+    def _beyond(self, names: Sequence[str], positions: Sequence[float]) -> str:
+        for name, position in zip(names, positions, strict=True):
+            low, high = self._limits.get(name, (position, position))
+            if not low - NEAR <= position <= high + NEAR:
+                return f"{name} can go from {low:.4g} to {high:.4g}, not to {position:.4g}"
+        return ""
+
     @abstractmethod
-    def _takes(self, goal: Message) -> bool:
-        """Tell whether a goal can be followed."""
+    def _refusal(self, asked: Message) -> str:
+        """Return why a goal can't be followed; nothing where it can."""
 
     @abstractmethod
     def _move(self, goal: _Goal) -> Operation[JointState]:
@@ -160,27 +183,43 @@ class Controller:
         """Say in a result how a goal has ended."""
 
     @abstractmethod
-    def _tell(self, goal: _Goal, passed: float) -> None:
-        """Send feedback, some time after the motion began [s]."""
+    def _feedback(self, goal: _Goal, passed: float) -> Message:
+        """Return feedback, some time after the motion began [s]; GripError where nothing is measured."""
 
 
 class TrajectoryController(Controller):
-    """A joint trajectory controller."""
+    """A joint trajectory controller, with its topic `joint_trajectory` beside the action."""
 
     action_type, kind = ACTION, "joint_trajectory_controller/JointTrajectoryController"
     _executor: Executor
 
-    def _takes(self, goal: Message) -> bool:
-        points, names = goal.trajectory.points, list(goal.trajectory.joint_names)
-        times = [seconds(p.time_from_start) for p in points]
-        rising = all(a < b for a, b in zip(times, times[1:], strict=False))
-        whole = all(len(p.positions) == len(names) and np.isfinite(p.positions).all() for p in points)
-        fits = set(names) == set(self._executor.joint_names) and len(names) == len(set(names))
-        return bool(points and fits and rising and whole and times[0] >= 0)
+    def _make(self) -> ActionServer:
+        def heard(trajectory: Message) -> None:
+            asked = self._type.Goal(trajectory=trajectory)
+            if self._takes(asked):
+                self._take(asked)
+
+        topic = f"{self.action.rpartition('/')[0]}/joint_trajectory"
+        self._bus.node.create_subscription(load_type("trajectory_msgs/msg/JointTrajectory"), topic, heard, 10)
+        return super()._make()
+
+    def _refusal(self, asked: Message) -> str:
+        points, names = asked.trajectory.points, list(asked.trajectory.joint_names)
+        if sorted(names) != sorted(self.joints):
+            return f"it moves {listing(names)}, not {listing(self.joints)}"
+        times = [seconds(point.time_from_start) for point in points]
+        if not times or times[0] < 0 or any(a >= b for a, b in pairwise(times)):
+            return f"the times of its points must rise from 0 on, and are {times}"
+        for row in (point.positions for point in points):
+            if len(row) != len(names) or not np.isfinite(row).all():
+                return f"each point needs a finite position of each of {len(names)} joints, and one has {list(row)}"
+            if said := self._beyond(names, row):
+                return said
+        return ""
 
     def _move(self, goal: _Goal) -> Operation[JointState]:
-        asked = goal.handle.request.trajectory
-        goal.path = continued(list(asked.joint_names), asked.points, self._executor.state())
+        trajectory = goal.asked.trajectory
+        goal.path = continued(list(trajectory.joint_names), trajectory.points, self._executor.state())
         return self._follow_path(goal.path)
 
     def _follow_path(self, path: Trajectory) -> Operation[JointState]:
@@ -190,23 +229,19 @@ class TrajectoryController(Controller):
         if error is None:
             return
         result.error_string = str(error)
-        if not (isinstance(error, CanceledError) and goal.handle.is_cancel_requested):
-            replaced = isinstance(error, CanceledError)
+        replaced = isinstance(error, CanceledError)
+        if not (replaced and goal.handle is not None and goal.handle.is_cancel_requested):
             result.error_code = result.INVALID_GOAL if replaced else result.PATH_TOLERANCE_VIOLATED
 
-    def _tell(self, goal: _Goal, passed: float) -> None:
-        try:
-            now = self._executor.state()
-        except GripError:
-            return  # the motion ends of the same
-        handle, path = goal.handle, goal.path
+    def _feedback(self, goal: _Goal, passed: float) -> Message:
+        now, path = self._executor.state(), goal.path
         feedback = self._type.Feedback(joint_names=list(path.names))
         feedback.header.stamp = self._bus.node.get_clock().now().to_msg()
         position, velocity, _ = path.sampled(np.array([passed]))
         measured = now.ordered(path.names)
         feedback.desired.positions, feedback.desired.velocities = position[0].tolist(), velocity[0].tolist()
         feedback.actual.positions, feedback.error.positions = measured.tolist(), (position[0] - measured).tolist()
-        self._bus.post(lambda: handle.is_active and handle.publish_feedback(feedback))
+        return feedback
 
 
 SOON = 0.1
@@ -234,33 +269,33 @@ class GripperController(Controller):
     action_type, kind = "control_msgs/action/GripperCommand", "position_controllers/GripperActionController"
     _executor: HandPort
 
-    def _takes(self, goal: Message) -> bool:
-        return bool(np.isfinite(goal.command.position) and 0 <= goal.command.max_effort < np.inf)
+    def _refusal(self, asked: Message) -> str:
+        command = asked.command
+        fits = np.isfinite(command.position) and 0 <= command.max_effort < np.inf
+        lacking = f"it needs a finite position and effort, not {command.position} and {command.max_effort}"
+        return self._beyond(self.joints, [command.position]) if fits else lacking
 
     def _move(self, goal: _Goal) -> Operation[JointState]:
-        command = goal.handle.request.command
+        command = goal.asked.command
         wanted = JointState(self.joints, np.array([command.position]))
         return self._executor.move(wanted, STROKE_TIME, force=command.max_effort or None)
 
     def _explain(self, result: Message, goal: _Goal, error: Exception | None) -> None:
-        self._measure(result, goal)
+        with suppress(GripError):
+            self._measure(result, goal)
 
-    def _tell(self, goal: _Goal, passed: float) -> None:
-        handle, feedback = goal.handle, self._type.Feedback()
-        if self._measure(feedback, goal):
-            feedback.stalled = False  # it may still move
-            self._bus.post(lambda: handle.is_active and handle.publish_feedback(feedback))
+    def _feedback(self, goal: _Goal, passed: float) -> Message:
+        feedback = self._type.Feedback()
+        self._measure(feedback, goal)
+        feedback.stalled = False  # it may still move
+        return feedback
 
-    def _measure(self, message: Message, goal: _Goal) -> bool:
-        try:
-            state = self._executor.state()
-        except GripError:
-            return False
+    def _measure(self, message: Message, goal: _Goal) -> None:
+        state = self._executor.state()
         message.position = float(state.position[0])
         message.effort = 0.0 if state.effort is None else float(state.effort[0])
-        message.reached_goal = abs(message.position - goal.handle.request.command.position) < CLOSE
+        message.reached_goal = abs(message.position - goal.asked.command.position) < CLOSE
         message.stalled = not message.reached_goal
-        return True
 
 
 class ControllerManager:
@@ -272,12 +307,11 @@ class ControllerManager:
         ensure_package("controller_manager_msgs")
         self._controllers = {each.name: each for each in controllers}
         self._state = load_type("controller_manager_msgs/msg/ControllerState")
-        answers = {"ListControllers": self._list, "SwitchController": self._switch}
-        types = {name: load_type(f"controller_manager_msgs/srv/{name}") for name in answers}
+        kinds = (load_type(f"controller_manager_msgs/srv/{name}") for name in ("ListControllers", "SwitchController"))
 
         def begin() -> None:
-            for service, (name, answer) in zip(self.services, answers.items(), strict=True):
-                bus.node.create_service(types[name], service, answer)
+            for service, kind, answer in zip(self.services, kinds, (self._list, self._switch), strict=True):
+                bus.node.create_service(kind, service, answer)
 
         bus.ask(begin)
 
@@ -310,21 +344,22 @@ class ControllerManager:
 
 @dataclass
 class _Goal:
-    """A goal that was accepted, and the motion that follows it; a cancel may come before that is begun."""
+    """A goal that was accepted, and the motion that follows it; a cancel may come before that is begun.
 
-    handle: ServerGoalHandle
+    Attributes:
+        handle: of the client that waits for its end; None where it came on the topic.
+    """
+
+    asked: Message
+    handle: ServerGoalHandle | None
     future: Future
     turn: Operation[None]
     motion: Operation[JointState]
     path: Trajectory = field(init=False)
 
-
-def _error_of(motion: Operation[JointState]) -> Exception | None:
-    try:
-        motion.result()
-    except (GripError, ValueError) as error:
-        return error
-    return None
+    def tell(self, feedback: Message) -> None:
+        if self.handle is not None and self.handle.is_active:
+            self.handle.publish_feedback(feedback)
 
 
 def continued(names: Sequence[str], points: Sequence[Message], state: JointState) -> Trajectory:

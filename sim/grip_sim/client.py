@@ -11,6 +11,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -51,28 +52,16 @@ class SimClock:
         """Simulated time alone [s]."""
         return self._simulated
 
-    def begin(self) -> None:
-        """A motion begins."""
+    def count(self, more: int) -> None:
+        """Take note of a motion that begins (1), or has ended (-1)."""
         with self._lock:
-            self._moving += 1
+            self._moving += more
             self._let_idle()
 
-    def end(self) -> None:
-        """A motion has ended."""
+    def hold(self, paused: bool) -> None:
+        """Stand still also while nothing moves, or go on; harmless when it does already."""
         with self._lock:
-            self._moving -= 1
-            self._let_idle()
-
-    def pause(self) -> None:
-        """Stand still also while nothing moves; harmless when it does already."""
-        with self._lock:
-            self._paused = True
-            self._let_idle()
-
-    def resume(self) -> None:
-        """Go on; harmless when it goes."""
-        with self._lock:
-            self._paused = False
+            self._paused = paused
             self._let_idle()
 
     def keep_to_simulated(self, only: bool) -> None:
@@ -159,13 +148,13 @@ class SimClient(Closing):
 
     def move(self, call: str, /, **fields: object) -> Operation[Reply]:
         """Begin something that advances the physics; cancelling it stops that motion."""
-        self.clock.begin()
+        self.clock.count(1)
         try:
             operation = self._send({"call": call, **fields}, cancelable=True)
         except BaseException:
-            self.clock.end()
+            self.clock.count(-1)
             raise
-        operation.add_done_callback(self.clock.end)
+        operation.add_done_callback(partial(self.clock.count, -1))
         return operation if self._in_turn is None else self._in_turn(operation, holds=False)
 
     def begin(self, spec: WorldSpec) -> None:
@@ -202,11 +191,9 @@ class SimClient(Closing):
 
     def _tell(self, call: str, **fields: object) -> bool:
         """Say something about turns, to which there is no answer; return whether nobody is there any more."""
-        try:
+        with suppress(OSError):  # the reader notices the end
             with self._sending:
                 self._connection.sendall(pack({"id": 0, "call": call, **fields}))
-        except OSError:
-            pass  # the reader notices the end
         return self._lost is not None
 
     def close(self) -> None:
@@ -239,11 +226,9 @@ class SimClient(Closing):
             if self._lost is not None:
                 return Operation.failed(self._lost)
             self._pending[number] = (operation, waited_for)
-        try:
+        with suppress(OSError):  # the reader notices the end and fails every pending operation
             with self._sending:
                 self._connection.sendall(message)
-        except OSError:
-            pass  # the reader notices the end and fails every pending operation
         return operation
 
     def _await(self, operation: Operation[Reply], seconds: float) -> Reply:
@@ -299,7 +284,5 @@ class SimClient(Closing):
         self._stood()
 
     def _hang_up(self) -> None:
-        try:
+        with suppress(OSError):  # the other end went first
             self._connection.shutdown(socket.SHUT_RDWR)
-        except OSError:
-            pass  # the other end went first

@@ -323,11 +323,10 @@ class Server:
         return self.world.robot.measure(rows)._asdict() if rows.size else {}
 
     def _call_feel(self, number: int, names: list[str], what: str) -> Answer:
-        """Say what the hand of some joints feels: `hand_contacts`, `contact_points`, `slips` or `wrench`."""
-        if what not in ("hand_contacts", "contact_points", "slips", "wrench"):
+        """Say what the hand of some joints feels."""
+        if what not in ("hand_contacts", "contact_points", "slips", "link_wrenches", "wrench"):
             raise LookupError(f"nothing feels {what!r}")
-        felt = getattr(self.world, what)(self.world.robot.hand_of(int(self.world.robot.rows(names)[0])))
-        return {"felt": felt.tolist() if isinstance(felt, np.ndarray) else felt}
+        return {"felt": getattr(self.world, what)(self.world.robot.hand_of(int(self.world.robot.rows(names)[0])))}
 
     def _call_look(self, number: int, camera: str) -> Answer:
         frame = self.world.look(camera)

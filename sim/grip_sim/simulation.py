@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import TypeAdapter
@@ -37,17 +38,13 @@ def _measured(operation: Operation[Reply]) -> Operation[JointState]:
 
 class _Joints:
     def __init__(self, client: SimClient, names: tuple[str, ...]):
-        self._client, self._names = client, names
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        return self._names
+        self._client, self.joint_names = client, names
 
     def state(self) -> JointState:
-        return _state(self._client.ask("state", names=list(self._names)))
+        return _state(self._client.ask("state", names=list(self.joint_names)))
 
     def stop(self) -> None:
-        self._client.ask("stop", names=list(self._names))
+        self._client.ask("stop", names=list(self.joint_names))
 
 
 class SimExecutor(_Joints):
@@ -57,24 +54,24 @@ class SimExecutor(_Joints):
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """See the port. Raises ValueError where it isn't for these joints, or holds what isn't a number."""
-        return _measured(self._client.move("follow", names=list(self._names), **self._arrays(trajectory)))
+        return _measured(self._client.move("follow", names=list(self.joint_names), **self._arrays(trajectory)))
 
     execute_steered = execute
 
     def passed(self) -> float | None:
-        return self._client.ask("passed", names=list(self._names)).fields["passed"]
+        return self._client.ask("passed", names=list(self.joint_names)).fields["passed"]
 
     def amend(self, tail: Trajectory, at: float) -> bool:
         arrays = self._arrays(tail)
         if "velocities" not in arrays:
             arrays["velocities"] = np.gradient(arrays["positions"], tail.times, axis=0)
-        return bool(self._client.ask("amend", names=list(self._names), at=at, **arrays).fields["amended"])
+        return bool(self._client.ask("amend", names=list(self.joint_names), at=at, **arrays).fields["amended"])
 
     def _arrays(self, trajectory: Trajectory) -> dict[str, Array]:
-        if set(trajectory.names) != set(self._names):
-            raise ValueError(f"the trajectory is for {trajectory.names}, not for {self._names}")
+        if set(trajectory.names) != set(self.joint_names):
+            raise ValueError(f"the trajectory is for {trajectory.names}, not for {self.joint_names}")
         _check_finite("a trajectory", trajectory.times, trajectory.positions, trajectory.velocities)
-        way = trajectory.of(self._names)
+        way = trajectory.of(self.joint_names)
         arrays = {"times": way.times, "positions": way.positions, "velocities": way.velocities}
         return {name: each for name, each in arrays.items() if each is not None}
 
@@ -86,27 +83,33 @@ class SimHand(_Joints):
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
     ) -> Operation[JointState]:
         """See the port. Raises KeyError for a missing joint, ValueError where a number isn't finite or positive."""
-        goal = posture.ordered(self._names)
+        goal = posture.ordered(self.joint_names)
         _check_finite("a posture", goal)
         check_positive("the duration of a motion", duration)
         check_positive("a torque limit", 1.0 if torque_limit is None else torque_limit)
         check_positive("a force", 1.0 if force is None else force)
-        said = {"names": list(self._names), "duration": duration, "limit": torque_limit, "force": force}
+        said = {"names": list(self.joint_names), "duration": duration, "limit": torque_limit, "force": force}
         return _measured(self._client.move("move_hand", goal=goal, **said))
 
+    def _felt(self, what: str) -> Any:
+        return self._client.ask("feel", names=list(self.joint_names), what=what).fields["felt"]
+
     def contacts(self) -> Mapping[str, float]:
-        return self._client.ask("feel", names=list(self._names), what="hand_contacts").fields["felt"]
+        return self._felt("hand_contacts")
 
     def contact_points(self) -> list[ContactPoint]:
-        felt = self._client.ask("feel", names=list(self._names), what="contact_points").fields["felt"]
-        return [ContactPoint(link, other, tuple(at), tuple(force)) for link, other, at, force in felt]
+        return [ContactPoint(link, other, tuple(at), tuple(f)) for link, other, at, f in self._felt("contact_points")]
 
     def slips(self) -> Mapping[str, float]:
-        return self._client.ask("feel", names=list(self._names), what="slips").fields["felt"]
+        return self._felt("slips")
 
-    def wrench(self) -> tuple[str, Array]:
-        """Return what the hand bears from outside: force [N] and torque [N m], shape (6,), in `world`'s axes."""
-        return "world", np.array(self._client.ask("feel", names=list(self._names), what="wrench").fields["felt"])
+    def link_wrenches(self) -> Mapping[str, Array]:
+        """Return each link's force [N] and torque [N m] from what isn't the robot, in its frame, shape (6,)."""
+        return self._felt("link_wrenches")
+
+    def wrench(self) -> Mapping[str, Array]:
+        """Return the wrist's link, and the force [N] and torque [N m] that it bears, in its frame, shape (6,)."""
+        return self._felt("wrench")
 
 
 class SimCamera:
@@ -271,10 +274,10 @@ class Simulation(SimClient):
 
     def pause(self) -> None:
         self.ask("pause")
-        self.clock.pause()
+        self.clock.hold(True)
 
     def resume(self) -> None:
-        self.clock.resume()
+        self.clock.hold(False)
         self.ask("resume")
 
     def keep_to_simulated(self, only: bool) -> None:

@@ -15,8 +15,10 @@ Body: TypeAlias = "physx.PhysxRigidBodyComponent"
 Link: TypeAlias = "physx.PhysxArticulationLinkComponent"
 
 
-def wrist_wrench(robot: physx.PhysxArticulation, hand: Collection[Link], touching: Collection[str]) -> Array:
-    """Return what a hand bears from outside: force [N], and torque [N m] about its mount, in world, shape (6,).
+def wrist_wrench(robot: physx.PhysxArticulation, hand: Collection[Link], touching: Collection[str]) -> dict[str, Array]:
+    """Return the link that a hand begins with, and what the hand bears from outside.
+
+    That is force [N], and torque [N m] about the link's origin, in the link's axes, shape (6,).
 
     The hand's own weight isn't counted, as a sensor's driver is told the tool's; what accelerates the hand is. What the
     solver says that a palm passes on is off where fingers press, so it isn't asked unless something touches the palm.
@@ -35,7 +37,8 @@ def wrist_wrench(robot: physx.PhysxArticulation, hand: Collection[Link], touchin
             weight = np.array([0.0, 0.0, link.mass * GRAVITY])
             force += weight
             torque += np.cross((link.entity_pose * link.cmass_local_pose).p - origin, weight)
-    return np.concatenate([force, torque])
+    axes = root.entity_pose.to_transformation_matrix()[:3, :3]
+    return {root.name: np.concatenate([force @ axes, torque @ axes])}
 
 
 def _beyond(root: Link, links: Iterable[Link]) -> list[Link]:

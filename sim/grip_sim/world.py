@@ -6,7 +6,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from functools import cache, partial, reduce
+from functools import cache, reduce
 from operator import add
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -229,8 +229,17 @@ class World:
         """Return how fast something slides along each link of a hand [m/s]; see `touch.Slipping`."""
         return self._slipping[hand].speeds(self.time, self._holding(hand))
 
-    def wrench(self, hand: str) -> Array:
-        """Return what a hand bears from outside, shape (6,); see `touch.wrist_wrench`."""
+    def link_wrenches(self, hand: str) -> Mapping[str, Array]:
+        """Return link -> what it bears from what isn't the robot: force [N], torque [N m], in its frame, shape (6,)."""
+        borne = {link.name: np.zeros(6) for link in self._fingers[hand] if link.collision_shapes}
+        for name, _, at, push in self.contact_points(hand):
+            here, force = self.link_pose(name), -np.array(push)
+            turned = np.stack([force, np.cross(at - here.position, force)]) @ here.rotation()
+            borne[name] += turned.ravel()
+        return borne
+
+    def wrench(self, hand: str) -> Mapping[str, Array]:
+        """Return what a hand bears from outside; see `touch.wrist_wrench`."""
         touching = {name for contact in self.contacts() for name in contact[:2]}
         return wrist_wrench(self.robot.body, self._fingers[hand], touching)
 
@@ -379,7 +388,10 @@ class World:
                 yield Target(link, link.name, colour, visuals.get(link.name))
 
     def _object_target(self, spec: ObjectSpec) -> Target:
-        visuals = partial(_looks_of, spec) if spec.shape == "model" else None
+        def looks() -> list[Look]:
+            return [look.moved(np.eye(4), spec.scale) for look in load_object(Path(spec.model)).looks]
+
+        visuals = looks if spec.shape == "model" else None
         return Target(self._objects[spec.name], spec.name, spec.colour, visuals)
 
 
@@ -394,10 +406,6 @@ def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
 
 def _impulse(contact: physx.PhysxContact) -> Array:
     return reduce(add, [point.impulse for point in contact.points])
-
-
-def _looks_of(spec: ObjectSpec) -> list[Look]:
-    return [look.moved(np.eye(4), spec.scale) for look in load_object(Path(spec.model)).looks]
 
 
 def _pose(pose: sapien.Pose) -> Pose:

@@ -65,7 +65,7 @@ class Shared:
             self._simulation = None
 
 
-def _reach(simulation: Simulation) -> None:
+def reach(simulation: Simulation) -> None:
     arm = simulation.executor("arm")
     home, way = arm.state(), np.linspace(0, 1, 41)[:, None]
     there = arm.execute(Trajectory(home.names, 2 * way[:, 0], home.position + (AT - home.position) * way))
@@ -81,7 +81,7 @@ def panda_planner() -> PlanningProcess:
     return planner
 
 
-TABLE, SURROUNDED = Shared(WorldSpec()), Shared(WorldSpec(objects=(THING,)), _reach)
+TABLE, SURROUNDED = Shared(WorldSpec()), Shared(WorldSpec(objects=(THING,)), reach)
 
 
 @contextmanager

@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from patience import PATIENCE, until
-from simulated_rigs import simulated_hand_port
+from simulated_rigs import SPOT, reach, simulated_hand_port
 
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Touch
 from grip_bt.base.values import JointState
+from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.fake import FakeArm, FakeHand
+
+PROJECT = """grip: 1
+robot: panda_allegro
+arms: {right: {group: arm, hand: right_hand}}
+hands: {right_hand: {group: hand}}
+world: held
+"""
+WORLD = """grip: 1
+fixtures: {table: {box: [0.7, 1.2, 0.1], at: [0.65, 0, -0.1]}}
+objects: {thing: {shape: cylinder, radius: 0.03, height: 0.18, at: [0.9, 0.45, 0]}}
+"""
 
 
 @dataclass
@@ -35,6 +49,12 @@ class TouchRig:
     wrench: Callable[[], Any]
     load: Any = None
     let_pass: Callable[[float], None] = lambda seconds: None
+
+
+def alone(measure: Callable[[], Mapping[str, Any]]) -> Any:
+    """Return what is measured in one frame."""
+    ((_, numbers),) = measure().items()
+    return numbers
 
 
 @contextmanager
@@ -64,7 +84,7 @@ def simulated() -> Iterator[TouchRig]:
             referee.move_object("thing", referee.truth()["thing"].pose.moved([0, 0, 0.004]))
             rig.let_pass(0.05)
 
-        yield TouchRig(rig.port, take, slide, lambda: rig.port.wrench()[1], let_pass=rig.let_pass)
+        yield TouchRig(rig.port, take, slide, partial(alone, rig.port.wrench), let_pass=rig.let_pass)
 
 
 @contextmanager
@@ -93,14 +113,61 @@ def ros(ros_robot: tuple[Any, Any]) -> Iterator[TouchRig]:
 
     def heard_wrench() -> float | None:
         try:
-            return float(wrench()[1][2])
+            return float(alone(wrench)[2])
         except SensorError:
             return None
 
     with pytest.raises(SensorError, match="/touch/silent: nothing was heard"):
         TopicWrench(bus, "/touch/silent", PATIENCE)()
     say()
-    yield TouchRig(hand, lambda: say(tip=2.0), lambda: say(slip=0.02), lambda: wrench()[1], [0, 0, -2])
+    yield TouchRig(hand, lambda: say(tip=2.0), lambda: say(slip=0.02), partial(alone, wrench), [0, 0, -2])
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[TouchRig]:
+    """Read as on a robot, by what `grip sim` says to put into grip.yaml, what that serves."""
+    from patient_bus import PatientBus
+
+    from grip_bt.app.project.folder import find_project
+    from grip_bt.app.wiring.ros_simulation import serve_world
+    from grip_bt.ros.controllers import TopicTouch, TopicWrench
+    from grip_bt.ros.environment import free_domain
+    from grip_bt.task.catalog.ros_config import RosRobotConfig
+
+    (folder / "grip.yaml").write_text(PROJECT)
+    (folder / "worlds").mkdir()
+    (folder / "worlds" / "held.yaml").write_text(WORLD)
+    with free_domain() as domain, pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
+        patch.setenv("ROS_DOMAIN_ID", str(domain))
+        world = stack.enter_context(serve_world(find_project(folder), "held", 0, 1.0, lambda part, detail: None))
+        bus = stack.enter_context(PatientBus(f"touch_{domain}", domain_id=domain))
+        told = RosRobotConfig.model_validate(world.settings["ros"]).controllers
+        simulation = world.simulation
+        reach(simulation)
+        hand, states = simulation.hand("hand"), build_robot("panda_allegro").named_states["hand"]
+        touch = TopicTouch(bus, hand, told["right_hand"], PATIENCE)
+        wrench = TopicWrench(bus, told["right"].wrench, PATIENCE)
+        until(lambda: _says(touch.contacts) and _says(touch.slips) and _says(wrench), "it isn't heard")
+
+        def take() -> None:
+            simulation.referee.move_object("thing", SPOT)
+            held = hand.move(states["closed"], 1.0, 0.5)
+            assert held.wait(PATIENCE)
+            until(touch.contacts, "no contact is heard of")
+
+        def slide() -> None:
+            simulation.referee.move_object("thing", simulation.referee.truth()["thing"].pose.moved([0, 0, 0.004]))
+            until(lambda: max(touch.slips().values(), default=0.0) > 5e-3, "it isn't heard that it slides")
+
+        yield TouchRig(touch, take, slide, partial(alone, wrench), let_pass=simulation.settle)
+
+
+def _says(measure: Callable[[], object]) -> bool:
+    try:
+        measure()
+    except SensorError:
+        return False
+    return True
 
 
 def _heard(hand: Touch) -> tuple[float, float] | None:
@@ -115,11 +182,13 @@ def _heard(hand: Touch) -> tuple[float, float] | None:
         "fake",
         pytest.param("simulated", marks=pytest.mark.sim),
         pytest.param("ros", marks=(pytest.mark.ros, pytest.mark.slow)),
+        pytest.param("served", marks=(pytest.mark.ros, pytest.mark.sim, pytest.mark.slow)),
     ]
 )
 def rig(request: pytest.FixtureRequest) -> Iterator[TouchRig]:
     make: Any = globals()[request.param]
-    with make(request.getfixturevalue("ros_robot")) if request.param == "ros" else make() as made:
+    needs = {"ros": ["ros_robot"], "served": ["tmp_path"]}.get(request.param, [])
+    with make(*map(request.getfixturevalue, needs)) as made:
         yield made
 
 

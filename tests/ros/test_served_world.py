@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from service_client import service_client
 from simulated_robot import simulated_robot
 
 pytestmark = [pytest.mark.ros, pytest.mark.sim, pytest.mark.slow, pytest.mark.timeout(600)]
-CLIENT = Path(__file__).parent / "data" / "plain_service_client.py"
 PROJECT = """grip: 1
 robot: panda
 arms: {right: {group: arm, hand: gripper}}
@@ -45,25 +39,11 @@ def call(own_domain, tmp_path_factory):
     (folder / "worlds").mkdir()
     (folder / "worlds" / "bench.yaml").write_text(WORLD)
     setup = folder / "setup.bash"
-    with simulated_robot(folder, own_domain, "--setup", str(setup), "--pace", "4", project=PROJECT, world="bench"):
-        clean = {name: os.environ[name] for name in ("PATH", "HOME")}
-        with subprocess.Popen(
-            ["bash", "-c", f'source "{setup}"; exec "{sys.executable}" "{CLIENT}"'],
-            env=clean,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        ) as client:
-
-            def ask(kind: str, name: str, /, **fields: object) -> dict[str, object]:
-                client.stdin.write(json.dumps([kind, name, fields]) + "\n")
-                client.stdin.flush()
-                line = client.stdout.readline()
-                assert line, "the client has ended"
-                return json.loads(line)
-
-            yield ask
-            client.kill()
+    with (
+        simulated_robot(folder, own_domain, "--setup", str(setup), "--pace", "4", project=PROJECT, world="bench"),
+        service_client(setup) as ask,
+    ):
+        yield ask
 
 
 @pytest.fixture

@@ -43,10 +43,10 @@ def test_it_never_decreases_and_is_the_sum_of_idle_and_simulated_time(steps):
         moving, idle, simulated, last = 0, 0.0, 0.0, 0.0
         for what, amount in steps:
             if what == "begin":
-                clock.begin()
+                clock.count(1)
                 moving += 1
             elif what == "end" and moving:
-                clock.end()
+                clock.count(-1)
                 moving -= 1
             elif what == "told":
                 clock.told(amount)
@@ -71,7 +71,7 @@ def test_it_starts_at_zero(wall):
 
 def test_our_time_does_not_count_while_something_moves(wall):
     clock = SimClock()
-    clock.begin()
+    clock.count(1)
     wall.now += 5
     assert clock.now() == 0
     clock.told(0.25)
@@ -80,11 +80,11 @@ def test_our_time_does_not_count_while_something_moves(wall):
 
 def test_our_time_counts_again_when_the_last_motion_has_ended(wall):
     clock = SimClock()
-    clock.begin()
-    clock.begin()
-    clock.end()
+    clock.count(1)
+    clock.count(1)
+    clock.count(-1)
     wall.now += 5
     assert clock.now() == 0
-    clock.end()
+    clock.count(-1)
     wall.now += 2
     assert clock.now() == 2

@@ -118,9 +118,10 @@ def test_what_is_held_weighs_at_the_wrist_and_slips_are_told_when_they_begin(nam
     weight, squeeze = mass * 9.81, 2 * mass * 9.81
     world, rows = held(0.5, squeeze, name, mass)
     run(world, 0.5)
-    wrench = world.wrench("hand")
-    assert -wrench[2] == pytest.approx(weight, rel=0.01)
-    assert np.linalg.norm(wrench[:3]) == pytest.approx(weight, rel=0.05)
+    ((link, wrench),) = world.wrench("hand").items()
+    force = world.link_pose(link).rotation() @ wrench[:3]
+    assert -force[2] == pytest.approx(weight, rel=0.01)
+    assert np.linalg.norm(force) == pytest.approx(weight, rel=0.05)
     assert sum(world.hand_contacts("hand").values()) / 2 == pytest.approx(squeeze, rel=0.01)
     points = world.contact_points("hand")
     thing = world.object_pose("thing").position
@@ -129,6 +130,10 @@ def test_what_is_held_weighs_at_the_wrist_and_slips_are_told_when_they_begin(nam
         mine = [(np.array(at), np.array(push)) for name, _, at, push in points if name == link]
         assert np.linalg.norm(sum(push for _, push in mine)) == pytest.approx(force)
         assert all((thing - at) @ push > 0 for at, push in mine), "a link pushes what is held away from itself"
+        borne = world.link_wrenches("hand")[link].reshape(2, 3) @ world.link_pose(link).rotation().T
+        assert borne[0] == pytest.approx(-sum(push for _, push in mine))
+        about = world.link_pose(link).position
+        assert borne[1] == pytest.approx(-sum(np.cross(at - about, push) for at, push in mine))
     world.slips("hand")
     for _ in range(24):
         run(world, 0.02)

@@ -184,13 +184,13 @@ def _scene_around(
     )
 
 
-Measured = tuple[str, NDArray[np.float64]]
-"""Force and torque, shape (6,), in a link's axes or `world`'s, whose name comes first."""
+Measured = Mapping[str, NDArray[np.float64]]
+"""A link, or `world`, and force and torque in its axes, shape (6,)."""
 
 
 def _in_world(model: RobotModel, executor: Executor, measure: Callable[[], Measured]) -> NDArray[np.float64]:
     """Return what is measured at a wrist in world's axes."""
-    frame, wrench = measure()
+    ((frame, wrench),) = measure().items()
     if frame == "world":
         return wrench
     places = model.link_poses(executor.state())

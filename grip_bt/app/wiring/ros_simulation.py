@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
+
+from geometry_msgs.msg import WrenchStamped
+from std_msgs.msg import Float64
 
 from grip_bt.app.project.faults import check, faults_of_cameras, jerks_of_arms
 from grip_bt.app.project.folder import Project
@@ -17,15 +21,25 @@ from grip_bt.app.wiring.parts import Progress
 from grip_bt.app.wiring.ros_world import SimulationServices
 from grip_bt.base.errors import GripError, MissingPartError
 from grip_bt.base.ports import Executor, HandPort
+from grip_bt.commanders.description.tree import limits_of_joints
 from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.interfaces.build import shell_setup
-from grip_bt.ros.served import CameraPublisher, publish_clock, publish_frames, publish_joints
+from grip_bt.ros.served import (
+    CameraPublisher,
+    publish_clock,
+    publish_felt,
+    publish_frames,
+    publish_joints,
+    wrench_to_message,
+)
 from grip_bt.ros.served_controllers import ControllerManager, FingerController, GripperController, TrajectoryController
 from grip_sim.simulation import Simulation, start_simulation
 from grip_sim.specs import CameraSpec
 
 JOINT_STATES = "/joint_states"
+SENSOR = "/{}_force_torque_sensor_broadcaster"
+"""What serves the wrench of an arm or a link."""
 PACKAGES = ("control_msgs", "controller_manager_msgs", "grip_msgs", "simulation_interfaces", "tf2_msgs")
 LONG = 60.0
 """Simulated time is waited for in pieces of this length [s]; nothing happens between two of them."""
@@ -78,10 +92,10 @@ def serve_world(
         raise MissingPartError("a robot to simulate", "name one in grip.yaml: `robot: panda_allegro`")
     arms = {name: arm.group for name, arm in project.file.arms.items() if not arm.arms}
     groups = arms | {name: hand.group for name, hand in project.file.hands.items()}
-    actions = {name: _action(project, name) for name in groups}
+    actions, description = {name: _action(project, name) for name in groups}, project.description()
     with ExitStack() as stack:
         progress("starting", "the simulator")
-        jerks = jerks_of_arms(project.file.arms, project.description())
+        jerks = jerks_of_arms(project.file.arms, description)
         simulation = stack.enter_context(start_simulation(replace(spec, jerks=jerks), pace))
         names = ", ".join(thing.name for thing in spec.objects)
         progress("simulator", f"SAPIEN in process {simulation.pid}, world {world!r}, seed {seed}: {names}")
@@ -94,7 +108,8 @@ def serve_world(
         for name, executor in executors.items():
             way, action = actions[name]
             fingers = GripperController if way == "gripper" else FingerController
-            made = (fingers if name in project.file.hands else TrajectoryController)(bus, action, executor)
+            kind = fingers if name in project.file.hands else TrajectoryController
+            made = kind(bus, action, executor, limits_of_joints(description, groups[name]))
             stack.callback(made.close)
             controllers.append(made)
             progress("controller", f"{action}: {len(executor.joint_names)} joints of {name}")
@@ -117,14 +132,45 @@ def serve_world(
                 cameras[name] = {**said, "mount": _mount(served.frame, seen)}
                 fixed[served.frame] = seen.info().pose
                 progress("camera", ", ".join(served.topics.values()))
-        stack.callback(publish_frames(bus, project.description(), measured, fixed, now).close)
+        stack.callback(publish_frames(bus, description, measured, fixed, now).close)
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
         SimulationServices(bus, simulation, partial(world_of, project, world=world), project.folder, now)
         progress("world", "/spawn_entity, /reset_simulation ... (simulation_interfaces), /grip_sim/inject_fault")
-        reached = {name: {way: action} for name, (way, action) in actions.items()}
+        felt = _serve_touch(stack, bus, project, simulation, now)
+        progress("touch", f"{', '.join(each['wrench'] for each in felt.values() if 'wrench' in each)} and of fingers")
+        reached = {name: {way: action, **felt.get(name, {})} for name, (way, action) in actions.items()}
         settings = {"ros": {"joint_states": joints, "controllers": reached, "cameras": cameras}}
         yield Served(simulation, settings, scene_text("room", room_of(simulation.spec)), shell_setup(*PACKAGES))
+
+
+def _serve_touch(
+    stack: ExitStack, bus: Bus, project: Project, simulation: Simulation, now: Callable[[], float]
+) -> dict[str, dict[str, Any]]:
+    """Publish what wrists and hands feel, until the stack ends, and return what `ros/controllers` says to hear it."""
+    file, found = project.file, dict[str, dict[str, Any]]()
+    told = file.ros.controllers if file.ros is not None else {}
+    hands = {name: simulation.hand(hand.group) for name, hand in file.hands.items()}
+
+    def serve(topics: Mapping[str, str], measure: Callable[[], Mapping[str, Any]], *how: Any) -> None:
+        stack.callback(publish_felt(bus, topics, now, measure, *how).close)
+
+    for name, arm in file.arms.items():
+        if arm.hand and not arm.arms:
+            wrist = hands[arm.hand].wrench
+            topic = (told[name].wrench if name in told else None) or SENSOR.format(name) + "/wrench"
+            serve(dict.fromkeys(wrist(), topic), wrist, WrenchStamped, wrench_to_message)
+            found[name] = {"wrench": topic}
+    for name, hand in hands.items():
+        sensors = {link: SENSOR.format(re.sub(r"\W", "_", link)) for link in hand.link_wrenches()}
+        forces, speeds = ({link: f"{each}/{part}" for link, each in sensors.items()} for part in ("wrench", "slip"))
+        serve(forces, hand.link_wrenches, WrenchStamped, wrench_to_message)
+        serve(speeds, hand.slips, Float64, lambda link, speed, time: Float64(data=speed))
+        slips = {
+            link: {"topic": topic, "message": "std_msgs/msg/Float64", "field": "data"} for link, topic in speeds.items()
+        }
+        found[name] = {"contacts": {link: {"topic": topic} for link, topic in forces.items()}, "slips": slips}
+    return found
 
 
 def _action(project: Project, name: str) -> tuple[str, str]:

@@ -18,7 +18,7 @@ from .check_urdf import INERTIA, NO_EFFORT
 from .files import robot_issue
 from .robot import EndEffector, RobotDescription
 from .srdf import Group, Srdf
-from .tree import Joint, Tree
+from .tree import Tree
 from .xml import origin_of
 
 LONGEST_FINGER = 5
@@ -31,7 +31,7 @@ def with_groups(srdf: Srdf, tree: Tree) -> tuple[Srdf, Issue | None]:
     active = [joint for joint in tree.joints.values() if joint.movable and joint.name not in mimics]
     if srdf.groups or not active:
         return srdf, None
-    chains = {tip: _chain(tree, tip, active) for tip in tree.links}
+    chains = {tip: tuple(j for j in reversed([*tree.upwards(tip)]) if j in active) for tip in tree.links}
     longest = max(chains.values(), key=len)
     trunk = list(longest)
     for number in range(len(longest) - 1, -1, -1):  # from the tip inwards: the first link that carries fingers
@@ -56,10 +56,6 @@ def with_groups(srdf: Srdf, tree: Tree) -> tuple[Srdf, Issue | None]:
     said = ", ".join(f"{name} ({len(group.joints)} joints)" for name, group in groups.items())
     message = f"there is no SRDF and no `groups:`; these are taken: {said}"
     return replace(srdf, groups=groups, end_effectors=ends), robot_issue("warning", "no-groups", message)
-
-
-def _chain(tree: Tree, tip: str, active: list[Joint]) -> tuple[Joint, ...]:
-    return tuple(joint for joint in reversed(list(tree.upwards(tip))) if joint in active)
 
 
 def _fingers_on(tree: Tree, link: str, moving: list[str]) -> int:

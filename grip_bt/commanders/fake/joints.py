@@ -27,19 +27,15 @@ class FakeExecutor:
     steerable = True
 
     def __init__(self, start: JointState):
-        self._position, self._names = np.array(start.position), start.names
+        self._position, self.joint_names = np.array(start.position), start.names
         self.executed: list[Trajectory] = []
 
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        return self._names
-
     def state(self) -> JointState:
-        return JointState(self._names, self._position, np.zeros(len(self._names)))
+        return JointState(self.joint_names, self._position, np.zeros(len(self.joint_names)))
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        if trajectory.names != self._names:
-            raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self._names}")
+        if trajectory.names != self.joint_names:
+            raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self.joint_names}")
         off = float(np.abs(trajectory.positions[0] - self._position).max())
         if off > START_TOLERANCE:
             return Operation.failed(
@@ -72,7 +68,7 @@ class FakeExecutor:
         Raises:
             ValueError: it has another number of joints.
         """
-        self._position = same_joints(position, self._names)
+        self._position = same_joints(position, self.joint_names)
 
 
 class FakeHand:
@@ -100,7 +96,7 @@ class FakeHand:
     ):
         closing = np.ones(len(start.names)) if closed is None else closed.ordered(start.names) - start.position
         self._flexes, self._extends = closing > 0, closing < 0
-        self._names = start.names
+        self.joint_names = start.names
         self._joints = executor(start)
         self._forces = dict(forces or {"fingertip": 5.0})
         self.torque_limits: list[float | None] = []
@@ -108,18 +104,14 @@ class FakeHand:
         self.thing = thing
         self.slipping = 0.0
 
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        return self._names
-
     def state(self) -> JointState:
         now, effort = self._joints.state(), 0.5 * self._pressing().astype(float)
-        return JointState(self._names, self._blocked(now.position), np.zeros(len(effort)), effort, now.time)
+        return JointState(self.joint_names, self._blocked(now.position), np.zeros(len(effort)), effort, now.time)
 
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
     ) -> Operation[JointState]:
-        start, goal = self._blocked(self.kept()), posture.ordered(self._names)
+        start, goal = self._blocked(self.kept()), posture.ordered(self.joint_names)
         self._joints.put_back(start)
         self.torque_limits.append(torque_limit)
         self.forces.append(force)
@@ -127,7 +119,7 @@ class FakeHand:
             self._joints.put_back(goal)
         times, rows = (np.array([0.0, duration]), [start, goal]) if duration > 0 else (np.zeros(1), [goal])
         # The goal is kept even where the thing is in the way: that is what presses.
-        moved = self._joints.execute(Trajectory(self._names, times, np.stack(rows)))
+        moved = self._joints.execute(Trajectory(self.joint_names, times, np.stack(rows)))
         return moved.then(lambda _: Operation.finished(self.state()))
 
     def contacts(self) -> Mapping[str, float]:
@@ -157,7 +149,7 @@ class FakeHand:
     def _blocked(self, position: Array) -> Array:
         if self.thing is None:
             return position
-        wall = self.thing.ordered(self._names)
+        wall = self.thing.ordered(self.joint_names)
         past = (self._flexes & (position > wall)) | (self._extends & (position < wall))
         return np.where(past, wall, position)
 

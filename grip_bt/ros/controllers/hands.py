@@ -62,7 +62,7 @@ class GripperHand(MovedJoints):
         it ends when they were measured at rest; see `RosExecutor.execute`.
         """
         goal = self._type.Goal()
-        (goal.command.position,) = map(float, posture.ordered(self._names))
+        (goal.command.position,) = map(float, posture.ordered(self.joint_names))
         goal.command.max_effort = float(force or torque_limit or 0.0)
         self._force, self._wanted = 0.0, goal.command.position
 
@@ -76,7 +76,7 @@ class GripperHand(MovedJoints):
         """Return the gripper's effort when something has stopped its fingers, and they are still there."""
         if not self._force or abs(self.state().position[0] - self._stopped_at) > GAVE_WAY:
             return {}
-        return {self._names[0]: self._force}
+        return {self.joint_names[0]: self._force}
 
     def _ended(self, ended: GoalEnd) -> Operation[JointState]:
         result = ended.result
@@ -88,7 +88,7 @@ class GripperHand(MovedJoints):
             self._force = (abs(result.effort) or UNKNOWN_FORCE) if held else 0.0
             return Operation.finished(state)
 
-        return measured(self._states, self._names).then(note)
+        return measured(self._states, self.joint_names).then(note)
 
 
 def _stalls_are_ends(ended: GoalEnd) -> Operation[GoalEnd]:
@@ -116,19 +116,12 @@ class ControlledHand:
     def __init__(
         self, executor: Executor, accelerations: Mapping[str, float] | None = None, sliding: Collection[str] = ()
     ):
-        self._executor = executor
-        self._short = np.array([SHORT_SLIDING if n in sliding else STOPPED_SHORT for n in executor.joint_names])
+        self._executor, self.joint_names = executor, executor.joint_names
+        self.state, self.stop = executor.state, executor.stop
+        self._short = np.array([SHORT_SLIDING if n in sliding else STOPPED_SHORT for n in self.joint_names])
         known = accelerations or {}
-        self._hardest = np.array([known.get(name, np.inf) for name in executor.joint_names])
+        self._hardest = np.array([known.get(name, np.inf) for name in self.joint_names])
         self._goal: JointState | None = None
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        return self._executor.joint_names
-
-    def state(self) -> JointState:
-        """Return the measured state, with efforts where they are published."""
-        return self._executor.state()
 
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
@@ -166,9 +159,6 @@ class ControlledHand:
         short = np.abs(self._goal.ordered(state.names) - state.position) > self._short
         efforts = np.full(len(state.names), UNKNOWN_FORCE) if state.effort is None else np.abs(state.effort)
         return {name: float(e) for name, e, s in zip(state.names, efforts, short, strict=True) if s}
-
-    def stop(self) -> None:
-        self._executor.stop()
 
 
 class _Signal:
@@ -228,7 +218,7 @@ class TopicWrench:
     def __init__(self, bus: Bus, topic: str, stale: float):
         self._signal = _Signal(bus, SignalConfig(topic=topic, field="wrench"), stale)
 
-    def __call__(self) -> tuple[str, Array]:
+    def __call__(self) -> dict[str, Array]:
         """Return the frame, and force [N] and torque [N m] in its axes, shape (6,); SensorError: it is silent."""
         message, numbers = self._signal.numbers()
-        return message.header.frame_id, numbers
+        return {message.header.frame_id: numbers}

@@ -46,16 +46,12 @@ class MovedJoints:
     """
 
     def __init__(self, names: Sequence[str], states: JointStates):
-        self._names, self._states = tuple(names), states
+        self.joint_names, self._states = tuple(names), states
         self._motion: Motion | None = None
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        return self._names
 
     def state(self) -> JointState:
         """Return the measured state of the joints. Raises SensorError: nothing is known of one of them."""
-        return self._states.state(self._names)
+        return self._states.state(self.joint_names)
 
     def stop(self) -> None:
         """Bring the joints to rest; a motion under way ends as cancelled when they are measured to be there."""
@@ -67,8 +63,8 @@ class MovedJoints:
     ) -> Operation[JointState]:
         """Begin a motion in the place of the one under way; the result is what is measured when it has `ended`."""
         self.give_way()
-        part = begin().then(ended or (lambda _: measured(self._states, self._names)))
-        self._motion = Motion(part, self._states, self._names)
+        part = begin().then(ended or (lambda _: measured(self._states, self.joint_names)))
+        self._motion = Motion(part, self._states, self.joint_names)
         return self._motion.whole
 
     def give_way(self) -> None:
@@ -96,8 +92,8 @@ class RosExecutor(MovedJoints, ABC):
         Raises:
             ValueError: it moves other joints.
         """
-        if set(trajectory.names) != set(self._names):
-            raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self._names}")
+        if set(trajectory.names) != set(self.joint_names):
+            raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self.joint_names}")
         try:
             off = np.abs(trajectory.positions[0] - self._states.state(trajectory.names).position)
         except SensorError as error:
@@ -186,7 +182,7 @@ class Motion:
     """
 
     def __init__(self, part: Operation[JointState], states: JointStates, names: tuple[str, ...]):
-        self._part, self._states, self._names = part, states, names
+        self._part, self._states, self.joint_names = part, states, names
         self._preempted = False
         self.whole: Operation[JointState] = Operation(on_cancel=part.cancel)
         part.add_done_callback(self._ended)
@@ -210,7 +206,7 @@ class Motion:
         if self._preempted:
             self.whole.fail(CanceledError("preempted by another motion"))
             return
-        rest = rest_of_joints(self._states, self._names)
+        rest = rest_of_joints(self._states, self.joint_names)
 
         def end() -> None:
             moving = rest.result()

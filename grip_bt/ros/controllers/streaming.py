@@ -125,13 +125,13 @@ class StreamedExecutor(RosExecutor):
     def amend(self, tail: Trajectory, at: float) -> bool:
         """Go on with another trajectory from a moment on; see `ports.Steerable`."""
         way = self._current
-        return way is not None and way.amend(tail.of(self._names), at)
+        return way is not None and way.amend(tail.of(self.joint_names), at)
 
     def execute_steered(self, trajectory: Trajectory) -> Operation[JointState]:
         return self.execute(trajectory)
 
     def _begin(self, trajectory: Trajectory) -> Operation[None]:
-        self._current = way = StreamedMotion(trajectory.of(self._names))
+        self._current = way = StreamedMotion(trajectory.of(self.joint_names))
         done: Operation[None] = Operation(on_cancel=way.stop.set)
         threading.Thread(target=self._run, args=(way, done), name="grip_topic_motion", daemon=True).start()
         return done
@@ -241,4 +241,4 @@ class TopicExecutor(StreamedExecutor):
     ahead = 0.03  # the controller interpolates, so that a set-point which comes a bit late lets no joint stand still
 
     def _set_point(self, positions: np.ndarray) -> Message:
-        return trajectory_to_message(Trajectory(self._names, np.zeros(1), positions[None]), self.ahead)
+        return trajectory_to_message(Trajectory(self.joint_names, np.zeros(1), positions[None]), self.ahead)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 
 from grip_bt.base.errors import UnknownNameError, listing
 from grip_bt.base.failures import (
@@ -75,10 +76,8 @@ class TrajectoryExecutor(ActionExecutor):
     def _streamed(self, trajectory: Trajectory) -> Steps[JointState]:
         if self._motion is not None:
             super().stop()
-            try:
+            with suppress(ExpectedError):  # whoever asked for it is told
                 yield self._motion.whole
-            except ExpectedError:
-                pass  # whoever asked for it is told
         measured: JointState = yield self._stream.execute(trajectory)
         return measured
 

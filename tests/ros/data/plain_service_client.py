@@ -1,4 +1,7 @@
-"""A plain client of services and an action: reads `[type, name, fields]` a line, and answers with JSON."""
+"""A plain client of services, actions and topics: reads `[type, name, fields]` a line, and answers with JSON.
+
+A message with fields is published when somebody listens; without fields, the next one that comes is the answer.
+"""
 
 import importlib
 import json
@@ -20,6 +23,12 @@ def fill(message, fields):
     for name, value in fields.items():
         if isinstance(value, dict):
             fill(getattr(message, name), value)
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            package, kind = message.get_fields_and_field_types()[name][len("sequence<") : -1].split("/")
+            rows = [loaded(f"{package}/msg/{kind}")() for _ in value]
+            for row, each in zip(rows, value, strict=True):
+                fill(row, each)
+            setattr(message, name, rows)
         else:
             setattr(message, name, value)
 
@@ -37,6 +46,27 @@ def over(future):
     return future.result()
 
 
+def published(cls, name, fields):
+    if name not in publishers:
+        publishers[name] = node.create_publisher(cls, name, 10)
+    while not publishers[name].get_subscription_count():
+        rclpy.spin_once(node, timeout_sec=0.05)
+    message = cls()
+    fill(message, fields)
+    publishers[name].publish(message)
+    return {}
+
+
+def heard(cls, name):
+    found = []
+    subscription = node.create_subscription(cls, name, found.append, 1)
+    while not found:
+        rclpy.spin_once(node, timeout_sec=0.05)
+    node.destroy_subscription(subscription)
+    return plain(found[-1])
+
+
+publishers = {}
 for line in sys.stdin:
     kind, name, fields = json.loads(line)
     cls = loaded(kind)
@@ -50,6 +80,8 @@ for line in sys.stdin:
         if handle.accepted:
             ended = over(handle.get_result_async())
             answer |= {"status": ended.status, **plain(ended.result)}
+    elif "/msg/" in kind:
+        answer = published(cls, name, fields) if fields else heard(cls, name)
     else:
         client = node.create_client(cls, name)
         assert client.wait_for_service(60)
