@@ -8,7 +8,7 @@ import logging
 import os
 import sys
 import traceback
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -17,7 +17,7 @@ from grip_bt import __version__
 from grip_bt.base.errors import GripError, MissingPartError, NodeError, remedy_of
 from grip_bt.cli import INVALID, NODE_ERROR, terminal
 from grip_bt.cli.parser import Parser
-from grip_bt.cli.terminal import complain, give_up, ready
+from grip_bt.cli.terminal import complain, give_up, put, ready
 
 VERBS = {
     "demo": "run a packaged demonstration in simulation",
@@ -86,7 +86,7 @@ def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> ar
             module = import_module(f"grip_bt.cli.{_MODULES.get(verb, verb)}")
             options.set_defaults(usage_error=options.error, run=getattr(module, f"run_{verb}", None))
             getattr(module, f"add_{verb}")(options)
-            for each in (options, *_below(options).values()):
+            for each in (options, *actions_of(options).values()):
                 _add_loudness(each)
     listed = {line.dest: line for line in subparsers._choices_actions}
     for title, verbs in GROUPS.items():
@@ -95,7 +95,7 @@ def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> ar
     return parser
 
 
-def _below(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+def actions_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
     """Return the parsers of a verb's actions, such as `add` of `component`."""
     return {
         name: each
@@ -183,57 +183,12 @@ def _refused_by_the_system(error: OSError) -> int:
     return complain(f"{name}: {error.strerror}; name another place, or change its permissions")
 
 
-_BASH = Path(__file__).with_name("completion.bash")
-Words = dict[str, str]
-"""What may be typed -> what it means."""
-
-
 def add_completion(parser: argparse.ArgumentParser) -> None:
     kept = "keep what it prints where the shell looks for it, see `grip docs installing`, or source it"
     parser.add_argument("shell", choices=("bash", "zsh", "fish"), help=kept)
 
 
 def run_completion(args: argparse.Namespace) -> None:
-    places = {"": VERBS}
-    for verb in VERBS:
-        places |= _places(verb)
-    if args.shell == "fish":
-        print("\n".join(line for place, words in places.items() for line in _fish(place, words)))
-        return
-    cases = "\n".join(f'        "{at}") echo "{" ".join(words)}" ;;' for at, words in places.items() if words)
     first = "autoload -U +X bashcompinit && bashcompinit\n" if args.shell == "zsh" else ""
-    print(first + _BASH.read_text().replace("@CASES@", cases), end="")
-
-
-def _places(verb: str) -> dict[str, Words]:
-    """Return what may follow a verb, each of its actions, and each option that takes one of several words."""
-    (subparsers,) = (a for a in make_parser([verb])._actions if isinstance(a, argparse._SubParsersAction))
-    own, found = subparsers.choices[verb], dict[str, Words]()
-    parsers = {verb: own, **{f"{verb} {name}": parser for name, parser in _below(own).items()}}
-    for place, parser in parsers.items():
-        found[place], expand = {}, parser._get_formatter()._expand_help
-        for action in parser._actions:
-            options = [option for option in action.option_strings if option.startswith("--")]
-            said = expand(action) if action.help else ""
-            listed = {str(c): said for c in action.choices or ()}
-            if isinstance(action, argparse._SubParsersAction):
-                listed = {line.dest: expand(line) for line in action._choices_actions}
-            found[place] |= dict.fromkeys(options, said) or listed
-            found |= {f"{verb} {option}": listed for option in options if listed}
-    return found
-
-
-def _fish(place: str, words: Words) -> Iterator[str]:
-    """Yield what makes fish complete words at a place: a verb, one of its actions, or an option's value."""
-    verb, _, behind = place.partition(" ")
-    if behind.startswith("--"):
-        yield f"complete -c grip -n '__fish_seen_subcommand_from {verb}' -l {behind[2:]} -xa '{' '.join(words)}'"
-        return
-    at = " ; and ".join(f"__fish_seen_subcommand_from {word}" for word in place.split())
-    for word, said in words.items():
-        quoted = said.replace("\\", "\\\\").replace("'", "\\'")
-        if word.startswith("--"):
-            yield f"complete -c grip -n '{at}' -l {word[2:]} -d '{quoted}'"
-        else:
-            first = f"__fish_is_nth_token {len(place.split()) + 1}"
-            yield f"complete -c grip -n '{first}{' ; and ' if at else ''}{at}' -a {word} -d '{quoted}'"
+    kind = "fish" if args.shell == "fish" else "bash"
+    put(first + Path(__file__).with_name(f"completion.{kind}").read_text(encoding="utf-8"))

@@ -4,12 +4,15 @@ import argparse
 import json
 import shutil
 import subprocess
+import sys
+from pathlib import Path
+from runpy import run_path
 
 import pytest
 
 from grip_bt.cli import terminal
 from grip_bt.cli.__main__ import main
-from grip_bt.cli.shell import FIRST, GROUPS, VERBS, _below, make_parser
+from grip_bt.cli.shell import FIRST, GROUPS, VERBS, actions_of, make_parser
 
 
 def shown(capsys, *words):
@@ -36,6 +39,22 @@ def test_help_lists_what_matters_and_all_of_it_when_asked(capsys):
 @pytest.mark.parametrize("verb", VERBS)
 def test_help_of_a_verb_is_what_the_verb_says_of_itself(verb, capsys):
     assert shown(capsys, "help", verb) == shown(capsys, verb, "--help")
+
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_what_is_printed_for_shells_is_of_these_verbs():
+    for name, made in run_path(str(ROOT / "tools" / "completion.py"))["scripts"]().items():
+        assert (ROOT / "grip_bt" / "cli" / name).read_text() == made, "run: python tools/completion.py"
+
+
+def test_printing_it_loads_no_verb():
+    loaded = "sorted(each for each in sys.modules if each.startswith(('grip_bt.app', 'numpy', 'rclpy', 'pydantic')))"
+    code = "import sys; from grip_bt.cli.__main__ import main; main(['completion', 'bash'])"
+    code += f"\nprint({loaded}, file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
 
 
 COMPLETE = 'source "$1"; COMP_WORDS=($2 "$3"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _grip; echo "${COMPREPLY[@]}"'
@@ -101,7 +120,7 @@ def test_every_verb_that_reports_does_so_as_json_too_and_all_are_quiet_or_loud_w
     for verb in VERBS:
         (below,) = (a for a in make_parser([verb])._actions if isinstance(a, argparse._SubParsersAction))
         own = below.choices[verb]
-        parsers |= {f"{verb} {name}": each for name, each in _below(own).items()} or {verb: own}
+        parsers |= {f"{verb} {name}": each for name, each in actions_of(own).items()} or {verb: own}
     said = {name: set(parser._option_string_actions) for name, parser in parsers.items()}
     assert {name for name in said if "--json" not in said[name]} == MADE_OR_SERVED
     assert all({"-q", "--quiet", "-v", "--verbose"} <= options for options in said.values())
