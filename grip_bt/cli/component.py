@@ -178,10 +178,7 @@ def _run_test(args: argparse.Namespace) -> int:
     stale = check([args.folder])
     project = find_project(folder).folder
 
-    def begun(package: str) -> None:
-        progress("interfaces", f"{package} is built now, once for all runs; this takes some seconds")
-
-    with start_components(project, [component.name], folder=folder.parent, begun=begun) as components:
+    with start_components(project, [component.name], folder=folder.parent, progress=progress) as components:
         built, ready, started = components.build_seconds, components.ready_seconds, time.perf_counter()
         operation = components.client(component.name).call({})
         operation.wait(component.timeouts.call + component.timeouts.ready + 1)

@@ -129,7 +129,7 @@ def start_components(
     domain_id: int | None = None,
     folder: Path | str = "components",
     frames: FrameTree | None = None,
-    begun: Callable[[str], None] = lambda package: None,
+    progress: Callable[[str, str], None] = lambda part, detail: None,
 ) -> Components:
     """Start the named components of a project and wait until their servers answer.
 
@@ -140,7 +140,7 @@ def start_components(
         domain_id: the DDS domain of us and of what we start; ROS_DOMAIN_ID, else 0, by default.
         folder: where the components are, in the project or anywhere.
         frames: where frames are, for ports that are given in one.
-        begun: told the name of each interface package that has to be built, before that.
+        progress: told of each interface package that has to be built, before that.
 
     Raises:
         UnknownNameError: a component isn't there.
@@ -157,6 +157,8 @@ def start_components(
     files = {name: load_component(folders[name]) for name in wanted}
     started = time.monotonic()
     bring = {name: folder for name in wanted if (folder := folders[name] / INTERFACES).is_dir()}
+    words = "{} is built now, once for all runs; this takes some seconds"
+    begun = lambda package: progress("interfaces", words.format(package))  # noqa: E731
     built = {name: build_interfaces(folder, begun=begun) for name, folder in bring.items()}
     _check_one_definition(built, folders)
     overlays = {name: [b.prefix for b in built.get(name, ())] for name in wanted}

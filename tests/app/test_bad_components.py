@@ -1,5 +1,7 @@
 """A component that is missing, dies, or answers nonsense: clear words, the right exit status, nothing left behind."""
 
+import json
+
 import pytest
 from trial_project import grip, make_trial_project, processes_in, result_of
 
@@ -24,6 +26,23 @@ def test_a_good_component_answers(run):
     done = run("good")
     assert done.returncode == 0, done.stderr
     assert result_of(done)["outcome"] == "answered"
+
+
+def test_workers_of_a_campaign_do_not_meet_in_the_domain_of_the_shell(project, domain):
+    campaign = project / "domains.yaml"
+    campaign.write_text("""campaign: 1
+task: tasks/says_its_domain.yaml
+robot: fake
+seeds: [1, 2, 3, 4]
+measure: {domain: answer}
+variants: {one: {}}
+""")
+    done = grip("bench", str(campaign), "--workers", "2", domain=domain)
+    assert done.returncode == 0, done.stderr
+    rows = [json.loads(line) for line in (project / ".grip" / "campaigns" / "domains.jsonl").read_text().splitlines()]
+    domains = [row["measures"]["domain"] for row in rows if "measures" in row]
+    assert len(domains) == 4
+    assert not {None, domain} & set(domains)
 
 
 def test_a_server_that_never_comes_is_named_with_its_last_words(run):

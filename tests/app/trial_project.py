@@ -49,6 +49,7 @@ BODIES = {
     "good": "response.outcome, response.returned_object = 0, request.input + 1",
     "dies_in_a_call": "os._exit(7)",
     "out_of_range": "response.outcome = 5",
+    "says_its_domain": "response.returned_object = int(os.environ['ROS_DOMAIN_ID'])",
 }
 NEVER_COMES = 'import sys\nprint("the camera licence has expired")\nsys.exit(3)\n'
 TASK = """grip: 1

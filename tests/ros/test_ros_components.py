@@ -205,7 +205,7 @@ def test_a_server_built_from_another_definition_is_refused_at_once(project, doma
 
 def test_what_one_project_has_built_another_finds(project, domain):
     begun = list[str]()
-    with start_components(project, ["odd"], domain, begun=begun.append) as components:
+    with start_components(project, ["odd"], domain, progress=lambda _, said: begun.append(said)) as components:
         assert components.build_seconds == 0.0
     assert begun == []
 

@@ -13,7 +13,7 @@ import os
 import tarfile
 import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -138,8 +138,6 @@ def _unpacked(content: bytes, digest: str) -> Path:
         fresh = Path(tempfile.mkdtemp(dir=cache))
         with tarfile.open(fileobj=io.BytesIO(content)) as archive:
             archive.extractall(fresh, filter="data")
-        try:
+        with suppress(OSError):  # another worker of this machine was faster
             fresh.rename(folder)
-        except OSError:
-            pass  # another worker of this machine was faster
     return folder

@@ -203,6 +203,7 @@ class Trials:
             watchdog=self._watchdog,
             picture=None if self.view is None else self.pictures / picture_of(f"{variant}@{seed}"),
             view=self.view or "",
+            apart=True,
         )
 
 

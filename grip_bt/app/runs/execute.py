@@ -70,6 +70,7 @@ class RunOptions:
         picture: where a picture of its end is written, likewise.
         view: the world's camera that both are of, or six numbers `X,Y,Z,X,Y,Z` [m], from where to where.
         stand_ins: whether legacy code gets stand-ins for packages that are missing, and for what ROS offers.
+        apart: whether a DDS domain of its own is a free one, whatever ROS_DOMAIN_ID says: other runs are beside it.
     """
 
     target: Target = "bt"
@@ -90,6 +91,7 @@ class RunOptions:
     picture: Path | None = None
     view: str = ""
     stand_ins: bool = False
+    apart: bool = False
 
 
 OPTIONS = TypeAdapter(RunOptions)
@@ -249,7 +251,7 @@ def open_session(
 
         faults = options.faults if options.resume is None else None  # what has happened doesn't happen again
         kept = equipment or Equipment()
-        opening = Opening(project, options.seed, options.pace, told, hold, faults, options.object, kept)
+        opening = Opening(project, options.seed, options.pace, told, hold, faults, options.object, options.apart, kept)
         parts = open_resources(opening, needs, options.robot, own)
         with parts as resources, Journal(options.journal or project.journal) as journal:
             runner = _runner(compiled, document, options, resources, journal, progress)

@@ -131,6 +131,7 @@ class Opening:
         hold: file descriptor over which somebody else may have the robot hold; None for nobody.
         faults: what goes wrong in the simulated world besides its own faults; None for nothing at all.
         object: of the library or a file; every object of the simulated world is one, where it isn't empty.
+        apart: whether a DDS domain of its own is a free one, whatever ROS_DOMAIN_ID says.
         equipment: what earlier runs of this process have left.
     """
 
@@ -141,6 +142,7 @@ class Opening:
     hold: int | None = None
     faults: Mapping[str, Fault] | None = field(default_factory=dict)
     object: str = ""
+    apart: bool = False
     equipment: Equipment = field(default_factory=Equipment)
 
 

@@ -16,7 +16,7 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.connection import TreeNode as TreeNode
 from grip_bt.ros.components import Components, start_components
-from grip_bt.ros.environment import own_domain
+from grip_bt.ros.environment import free_domain, own_domain
 from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosClock, RosInterface
 from grip_bt.ros.interfaces.build import ensure_package
@@ -50,12 +50,9 @@ def open_ros(
     frames = robot_frames(project).with_poses(poses)
     folder = project.file.components or "components"
 
-    def begun(package: str) -> None:
-        progress("interfaces", f"{package} is built now, once for all runs; this takes some seconds")
-
     def start(stack: ExitStack) -> tuple[int | None, Components]:
-        domain = stack.enter_context(own_domain()) if own else None
-        components = start_components(project.folder, names, domain, folder, frames, begun)
+        domain = stack.enter_context(free_domain() if opening.apart else own_domain()) if own else None
+        components = start_components(project.folder, names, domain, folder, frames, progress)
         stack.callback(components.close)
         return domain, components
 
