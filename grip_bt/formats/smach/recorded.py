@@ -7,7 +7,9 @@ import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
+from signal import Signals
 from threading import Lock
 from typing import Any
 from zlib import crc32
@@ -27,19 +29,17 @@ class Recorder:
     """Two recording processes, whose hashes differ; `with Recorder() as recorder` ends them. Threads may share it."""
 
     def __enter__(self) -> Recorder:
-        self._processes = [(self._start(seed), Lock()) for seed in ("1", "2")]
+        self._processes, self._locks = [self._start(number) for number in (0, 1)], (Lock(), Lock())
         return self
 
     def __exit__(self, *given: object) -> None:
-        for process, _ in self._processes:
-            process.stdin.close()  # type: ignore[union-attr]
-            process.wait()
-            process.stdout.close()  # type: ignore[union-attr]
+        for process in self._processes:
+            _end(process)
 
     @staticmethod
-    def _start(seed: str) -> subprocess.Popen[str]:
+    def _start(number: int) -> subprocess.Popen[str]:
         path = os.pathsep.join(filter(None, sys.path))
-        environment = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": seed}
+        environment = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": str(number + 1)}
         command = python_command("-c", f"from {__package__}.recorder import main; main()")
         pipe = subprocess.PIPE
         return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
@@ -54,14 +54,27 @@ class Recorder:
         return first, self._asked(1 - turn, job) if job.builders else Record()
 
     def _asked(self, number: int, job: Job) -> Record:
-        process, lock = self._processes[number]
-        asking: Any = process.stdin
-        answers: Any = process.stdout
-        with lock:
-            asking.write(job.model_dump_json() + "\n")
-            asking.flush()
-            line = answers.readline()
-        return Record.model_validate_json(line) if line else Record(error="the recording process ended")
+        with self._locks[number]:
+            for _ in range(2):  # what has killed it may be over
+                process: Any = self._processes[number]
+                if process.poll() is not None:
+                    process = self._processes[number] = self._start(number)
+                with suppress(BrokenPipeError):  # what has ended it is told below
+                    process.stdin.write(job.model_dump_json() + "\n")
+                    process.stdin.flush()
+                if line := process.stdout.readline():
+                    return Record.model_validate_json(line)
+                status = _end(process)
+        how = f"was killed by {Signals(-status).name}" if status < 0 else f"ended with status {status}"
+        advice = "perhaps for want of memory; import the file alone, or without --execute, which only reads it"
+        return Record(error=f"the process that runs its construction {how}, {advice}")
+
+
+def _end(process: subprocess.Popen[str]) -> int:
+    with suppress(BrokenPipeError):
+        process.stdin.close()  # type: ignore[union-attr]
+    process.stdout.close()  # type: ignore[union-attr]
+    return process.wait()
 
 
 def recorded_containers(file: Path, records: tuple[Record, Record]) -> list[ContainerInfo]:

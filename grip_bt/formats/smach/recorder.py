@@ -258,10 +258,8 @@ class FileRecorder:
         module = ModuleType(name)
         module.__file__ = str(self.file)
         sys.modules[name] = module
-        try:
+        with suppress(CaughtError):
             exec(_code(self.file), module.__dict__)
-        except CaughtError:
-            pass
         return module
 
     def _main(self) -> Any:
