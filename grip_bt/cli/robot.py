@@ -34,7 +34,7 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
         {
             "check": (_run_check, "everything that is wrong with robots' files; exit status 1 for errors"),
             "show": (_run_show, "groups, joints, limits, end effectors, states, solvers, planners"),
-            "list": (_run_list, "the ready-made robots"),
+            "list": (lambda args: tell(args.json, list(ROBOTS), ROBOTS), "the ready-made robots"),
         },
     )
     for each in (check, show):
@@ -66,10 +66,6 @@ def _run_show(args: argparse.Namespace) -> int:
     return 0
 
 
-def _run_list(args: argparse.Namespace) -> None:
-    tell(args.json, list(ROBOTS), ROBOTS)
-
-
 def _inspected(args: argparse.Namespace) -> Inspected:
     """Return the robot; whatever keeps it from being read is a finding too."""
     from grip_bt.commanders.description.load import config_of, inspect_robot  # `robot list` needs no extra
@@ -82,6 +78,8 @@ def _inspected(args: argparse.Namespace) -> Inspected:
     given = {key: value for key, value in more.items() if value}
     if not given:
         return inspect_robot(args.robot)
+    if args.robot in ROBOTS:
+        args.usage_error(f"{args.robot} is ready-made and takes no {', '.join(given)}; ./{args.robot} is a folder")
     config, folder = config_of(args.robot, Path.cwd())
     return inspect_robot(config.model_copy(update=given), folder)
 

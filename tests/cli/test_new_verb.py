@@ -78,3 +78,18 @@ def test_a_world_that_isnt_there_is_refused_before_anything_is_written(tmp_path,
     assert main(["new", str(tmp_path / "lab"), "--world", "tabel"]) == 1
     assert "unknown world 'tabel'; did you mean 'table'" in capsys.readouterr().err
     assert not (tmp_path / "lab").exists()
+
+
+def test_a_robots_name_is_looked_up_before_a_folder_that_happens_to_be_called_so(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("sim", "panda"):
+        (tmp_path / name).mkdir()
+    assert main(["new", "unknown", "--robot", "sim"]) == 1
+    said = capsys.readouterr().err
+    assert f"{tmp_path / 'sim'} holds none, and none is ready-made: unknown robot 'sim'" in said
+    assert "panda_allegro" in said
+    assert main(["new", "lab", "--robot", "panda"]) == 0
+    assert "\nrobot: panda\n" in (tmp_path / "lab" / "grip.yaml").read_text()
+    capsys.readouterr()
+    assert main(["new", "other", "--robot", "./panda"]) == 1
+    assert "there is no MoveIt configuration package in it" in capsys.readouterr().err

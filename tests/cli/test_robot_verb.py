@@ -99,3 +99,13 @@ def test_a_command_that_has_loaded_a_planner_ends_without_a_word_of_its_library(
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 1
     assert done.stderr.count("\n") == 1, done.stderr
+
+
+def test_options_for_files_are_refused_with_a_ready_made_robot(tmp_path, capsys, monkeypatch):
+    """Though a folder is called as it is."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "panda").mkdir()
+    with pytest.raises(SystemExit) as ended:
+        main(["robot", "show", "panda", "--srdf", "x.srdf"])
+    assert ended.value.code == 2
+    assert "panda is ready-made and takes no srdf; ./panda is a folder" in capsys.readouterr().err

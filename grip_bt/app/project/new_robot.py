@@ -111,6 +111,8 @@ def _chosen(source: str, choose: Choose) -> dict[str, Any]:
     if not (path / MANIFEST).is_file() and not is_configured(path) or not path.is_dir():
         found = {str(each.relative_to(path)): each for each in configured_packages(path)}
         if not found and not Configurations(path, Packages()).alternatives():
+            if "/" not in source:  # more likely a name, beside which a folder happens to lie
+                raise UnknownNameError("robot", source, ROBOTS, f"{path} holds none, and none is ready-made")
             raise DocumentError("there is no MoveIt configuration package in it; name a URDF file", str(path))
         names = list(found)
         if found:
