@@ -7,6 +7,7 @@ import json
 import sys
 import threading
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -231,15 +232,13 @@ def tell_failures(journal: Path | str, run: str, said: str) -> None:
 
 def _pass_on(supervisor: Supervisor) -> None:
     """Pass commands on, line by line; at the end of input whoever gave them has gone."""
-    try:
+    with suppress(OSError, ValueError):  # closed under our feet, which is an end too
         for line in open(0, closefd=False):  # not sys.stdin, whose lock would be held at our exit
             try:
                 command = json.loads(line)
             except ValueError:
                 command = {"command": line.strip()}  # the run refuses it, with the words for that
             supervisor.send(command if isinstance(command, dict) else {"command": command})
-    except (OSError, ValueError):
-        pass  # closed under our feet, which is an end too
     supervisor.stop(lost=True)
 
 

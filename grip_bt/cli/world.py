@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 SEEDS = 20
 """Arrangements that `check` draws."""
+Files = Callable[[Path], dict[str, Path]]
 Faults = Callable[[str, Project], Iterator[GripError]]
 SPOT = (0.60, 0.0)
 """Where a thing stands on the table when its picture is taken [m]."""
@@ -33,12 +34,14 @@ _here = partial(find_project, Path())
 
 
 def add_world(parser: argparse.ArgumentParser) -> None:
+    listing = partial(_list, world_files, _about_world)
+    checking = partial(_check, world_files, _faults_of_world, "world")
     listed, show, check, new = add_actions(
         parser,
         {
-            "list": (_list_worlds, "the worlds of the project in this folder, and the built-in ones"),
+            "list": (listing, "the worlds of the project in this folder, and the built-in ones"),
             "show": (_show_world, "what stands in a world, which regions and cameras it has"),
-            "check": (_check_worlds, "all that is wrong with worlds' files, on 20 seeds; exit status 1 for errors"),
+            "check": (checking, "all that is wrong with worlds' files, on 20 seeds; exit status 1 for errors"),
             "new": (_new_world, "copy a built-in world into the project, to be changed"),
         },
     )
@@ -46,7 +49,7 @@ def add_world(parser: argparse.ArgumentParser) -> None:
     show.add_argument("--seed", type=int, default=0, metavar="N", help="of what is drawn (default: 0)")
     show.add_argument("--picture", type=Path, metavar="FILE", help="write what a camera sees after 1 s: .png or .jpg")
     show.add_argument("--camera", default="", metavar="NAME", help="that takes it (default: the world's last one)")
-    check.add_argument("worlds", nargs="*", metavar="NAME|FILE", help="which ones (default: all of the project's)")
+    check.add_argument("names", nargs="*", metavar="NAME|FILE", help="which ones (default: all of the project's)")
     new.add_argument("name", metavar="NAME", help="of the new world: worlds/NAME.yaml")
     new.add_argument("--like", default="table", metavar="WORLD", help=f"what to copy: {', '.join(BUILTIN)}; or a file")
     for each in (listed, show, check):
@@ -54,18 +57,20 @@ def add_world(parser: argparse.ArgumentParser) -> None:
 
 
 def add_object(parser: argparse.ArgumentParser) -> None:
+    listing = partial(_list, objects.object_files, _about_object)
+    checking = partial(_check, objects.object_files, _faults_of_object, "object")
     listed, show, check, add = add_actions(
         parser,
         {
-            "list": (_list_objects, "the objects of the project in this folder, and those of the library"),
+            "list": (listing, "the objects of the project in this folder, and those of the library"),
             "show": (_show_object, "an object's size, mass, inertia and parts"),
-            "check": (_check_objects, "everything that is wrong with objects' files; exit status 1 for errors"),
+            "check": (checking, "everything that is wrong with objects' files; exit status 1 for errors"),
             "add": (_add, "bring in a mesh, a URDF, an SDF, or a folder of YCB or Google Scanned Objects"),
         },
     )
     show.add_argument("object", metavar="NAME|FILE", help="an object's name, or a path of its file")
     show.add_argument("--picture", type=Path, metavar="FILE", help="write how it lies on a table: .png or .jpg")
-    check.add_argument("objects", nargs="*", metavar="NAME|FILE", help="which ones (default: all of the project's)")
+    check.add_argument("names", nargs="*", metavar="NAME|FILE", help="which ones (default: all of the project's)")
     add.add_argument("path", type=Path, metavar="FILE|FOLDER", help="what to bring in; it is copied")
     add.add_argument("--name", default="", metavar="NAME", help="objects/NAME.yaml (default: as the file or folder)")
     add.add_argument("--scale", type=float, metavar="X", help="factor of its lengths; 0.001 for millimetres")
@@ -76,7 +81,9 @@ def add_object(parser: argparse.ArgumentParser) -> None:
         each.add_argument("--json", action="store_true", help="print one JSON object")
 
 
-def _list(args: argparse.Namespace, files: dict[str, Path], told: Callable[[Path], str]) -> None:
+def _list(files_of: Files, told: Callable[[Path], str], args: argparse.Namespace) -> None:
+    files = files_of(_here().folder)
+
     def line(name: str, file: Path) -> str:
         try:
             return f"{name}: {told(file)}"
@@ -87,30 +94,25 @@ def _list(args: argparse.Namespace, files: dict[str, Path], told: Callable[[Path
     tell(args.json, data, (line(name, file) for name, file in files.items()))
 
 
-def _list_worlds(args: argparse.Namespace) -> None:
-    _list(args, world_files(_here().folder), lambda file: read_world(str(file))[0].doc)
+def _about_world(file: Path) -> str:
+    return read_world(str(file))[0].doc
 
 
-def _list_objects(args: argparse.Namespace) -> None:
-    def told(file: Path) -> str:
-        model = objects.load_object(file)
-        return f"{model.doc or 'no doc'} ({_size(model)}, {model.mass:g} kg)"
-
-    _list(args, objects.object_files(_here().folder), told)
+def _about_object(file: Path) -> str:
+    model = objects.load_object(file)
+    size = " x ".join(f"{1e3 * edge:.0f}" for edge in model.size)
+    return f"{model.doc or 'no doc'} ({size} mm, {model.mass:g} kg)"
 
 
-def _check(args: argparse.Namespace, given: Sequence[str], files: dict[str, Path], faults: Faults, what: str) -> int:
+def _check(files_of: Files, faults: Faults, what: str, args: argparse.Namespace) -> int:
     """Print what is wrong with what is named, or with all that the project has of its own."""
     project = _here()
-    names = given or [name for name, file in files.items() if file.parent.parent == project.folder]
+    own = [name for name, file in files_of(project.folder).items() if file.parent.parent == project.folder]
+    names = args.names or own
     found = [(name, str(fault)) for name in names for fault in faults(name, project)]
     lines = (*map(": ".join, found), f"{plural(len(names), what)} checked: {plural(len(found), 'error')}")
     tell(args.json, {name: [fault for of, fault in found if of == name] for name in names}, lines)
     return int(bool(found))
-
-
-def _check_worlds(args: argparse.Namespace) -> int:
-    return _check(args, args.worlds, world_files(_here().folder), _faults_of_world, "world")
 
 
 def _faults_of_world(name: str, project: Project) -> Iterator[GripError]:
@@ -125,10 +127,6 @@ def _faults_of_world(name: str, project: Project) -> Iterator[GripError]:
         except GripError as error:
             yield GripError(f"seed {seed}: {error}")
             return
-
-
-def _check_objects(args: argparse.Namespace) -> int:
-    return _check(args, args.objects, objects.object_files(_here().folder), _faults_of_object, "object")
 
 
 def _faults_of_object(name: str, project: Project) -> Iterator[GripError]:
@@ -188,10 +186,6 @@ def _new_world(args: argparse.Namespace) -> None:
     file.write_text(read_file(source))
     print(f"{file}: written; `world: {args.name}` in grip.yaml uses it")
     print(f"next: grip world show {args.name} --picture {args.name}.png")
-
-
-def _size(model: ObjectModel) -> str:
-    return " x ".join(f"{1e3 * edge:.0f}" for edge in model.size) + " mm"
 
 
 def _show_object(args: argparse.Namespace) -> None:

@@ -158,9 +158,7 @@ def _builtin(message: Any, wanted: type) -> object:
     return message
 
 
-@cache
-def _hints(cls: type) -> dict[str, Any]:
-    return typing.get_type_hints(cls)
+_hints = cache(typing.get_type_hints)
 
 
 def _dataclass(message: Message, cls: Any) -> object:

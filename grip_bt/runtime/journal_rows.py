@@ -7,7 +7,7 @@ import socket
 import sqlite3
 import threading
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -218,9 +218,9 @@ def _make_room(database: sqlite3.Connection, limit: int, keep: Callable[[str], b
 
 
 def _vacuum(database: sqlite3.Connection) -> None:
-    try:
+    with suppress(
+        sqlite3.OperationalError
+    ):  # somebody reads or writes it; the room is used for later runs all the same
         database.execute("PRAGMA busy_timeout=0")
         database.execute("VACUUM")
         database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-    except sqlite3.OperationalError:
-        pass  # somebody reads or writes it; the room is used for later runs all the same

@@ -237,11 +237,8 @@ def fake_ros(project: Project, sensors: Iterable[str]) -> tuple[FakeRos, dict[st
     What has no fake, a message whose package isn't there, is said when it is asked for. Frames are those of the robot
     that never move and of the sensors' mounts; every other one is where the frame is that it is looked up in.
     """
-    return FakeRos(_heard, _frames(project)), {n: FakeSensor([_moment(project.file.sensors[n])]) for n in sensors}
-
-
-def _heard(type_: str) -> object:
-    return True if type_ == "bool" else value_of(type_)  # a signal says yes, as fakes do
+    heard = lambda type_: type_ == "bool" or value_of(type_)  # noqa: E731 - a signal says yes, as fakes do
+    return FakeRos(heard, _frames(project)), {n: FakeSensor([_moment(project.file.sensors[n])]) for n in sensors}
 
 
 class FakeMessages(LocalMessages):

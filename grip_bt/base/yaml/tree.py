@@ -159,7 +159,8 @@ def parse(text: str, source: str = "", *, begins: str = _BEGINS) -> YamlValue:
         raise DocumentError(f"larger than {_MAX_CHARACTERS} characters", source)
     unreadable = _UNREADABLE.search(text, text.startswith(_BYTE_ORDER_MARK))
     if unreadable:
-        line, column = _place(text, unreadable.start())
+        at = unreadable.start()
+        line, column = text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
         message = f"not valid YAML: the character U+{ord(unreadable.group()):04X} isn't allowed; escape it in quotes"
         raise DocumentError(message, source, line, column)
     before = text.startswith(_BYTE_ORDER_MARK)  # the parsers count it or they don't
@@ -177,10 +178,6 @@ def parse(text: str, source: str = "", *, begins: str = _BEGINS) -> YamlValue:
     if builder.root is None:
         raise DocumentError(f"the file is empty; {begins}", source, 1, 1)
     return builder.root
-
-
-def _place(text: str, at: int) -> tuple[int, int]:
-    return text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
 
 
 class _Builder:

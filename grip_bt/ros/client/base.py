@@ -206,7 +206,7 @@ class ServedClient(Client[R]):
                 self._absent(request, now)
             elif request.message is None:
                 self._finish(request)
-            elif self._unanswered() < IN_FLIGHT:
+            elif sum(bool(each.servers) for each in self._requests) < IN_FLIGHT:
                 servers = self._found
                 self._send(request, now)
                 request.servers = servers
@@ -257,9 +257,6 @@ class ServedClient(Client[R]):
 
         It isn't called before a server was found to fit: a client of the wrong type would spoil the name here.
         """
-
-    def _unanswered(self) -> int:
-        return sum(bool(request.servers) for request in self._requests)
 
     @abstractmethod
     def _send(self, request: R, now: float) -> None:

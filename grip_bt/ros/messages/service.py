@@ -72,8 +72,8 @@ class MessageServer:
             ("add", "AddMessage", self._on_add),
             ("get", "GetMessage", self._on_get),
             ("list", "ListMessages", self._on_list),
-            ("delete", "DeleteMessage", self._on_delete),
-            ("reset", "ResetMessages", self._on_reset),
+            ("delete", "DeleteMessage", lambda asked, _: self._store(asked.store).delete(asked.name)),
+            ("reset", "ResetMessages", lambda asked, _: self._reset(asked.store and self._store(asked.store).name)),
             ("save", "SaveMessages", self._on_save),
         ):
             node.create_service(load_type(f"grip_msgs/srv/{type_}"), f"{PREFIX}/{name}", _answering(work))
@@ -113,12 +113,6 @@ class MessageServer:
         response.stores = list(self._raw)
         response.types = [self._types.get(name, "") for name in self._raw]
         response.queued = [store.queued for store in self._raw.values()]
-
-    def _on_delete(self, request: Message, response: Message) -> None:
-        self._store(request.store).delete(request.name)
-
-    def _on_reset(self, request: Message, response: Message) -> None:
-        self._reset(request.store and self._store(request.store).name)
 
     def _on_save(self, request: Message, response: Message) -> None:
         file = Path(request.file) if request.file else self._archive

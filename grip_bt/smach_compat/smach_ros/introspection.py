@@ -116,7 +116,7 @@ class ContainerProxy:
         self._status = ros().advertise(server_name + STATUS_TOPIC, self._messages.Status)
         self._init = ros().subscribe(server_name + INIT_TOPIC, self._messages.InitialStatusCmd, self._init_cmd_cb)
         self._beat = threading.Thread(target=self._beats, name=f"{server_name}:introspection {path}", daemon=True)
-        container.register_transition_cb(self._transition_cb)
+        container.register_transition_cb(lambda *args, **kwargs: self._publish_status(f"{args}, {kwargs}"))
 
     def start(self) -> None:
         self._beat.start()
@@ -165,9 +165,6 @@ class ContainerProxy:
             publisher.publish(message)
         except Exception:  # noqa: BLE001 - a spectator must not stop the machine
             hooks.logerr(f"Sending introspection of {self._path!r} failed: {traceback.format_exc()}")
-
-    def _transition_cb(self, *args: object, **kwargs: object) -> None:
-        self._publish_status(f"{args}, {kwargs}")
 
     def _init_cmd_cb(self, command: Any) -> None:
         if command.path != self._path or self._stopped.is_set():

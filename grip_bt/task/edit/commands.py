@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from typing import Annotated, Literal
 
 from pydantic import Discriminator, TypeAdapter, ValidationError
@@ -65,9 +65,7 @@ AnyCommand = (
 Command = Annotated[AnyCommand, Discriminator("do")]
 
 
-@lru_cache(maxsize=1)
-def _adapter() -> TypeAdapter[AnyCommand]:
-    return TypeAdapter(Command)
+_adapter = cache(lambda: TypeAdapter[AnyCommand](Command))
 
 
 def command_of(data: object) -> AnyCommand:
