@@ -353,7 +353,7 @@ complete -c grip -n '__fish_seen_subcommand_from object ; and __fish_seen_subcom
 complete -c grip -n '__fish_seen_subcommand_from world' -l help -d 'show this help message and exit'
 complete -c grip -n '__fish_is_nth_token 2 ; and __fish_seen_subcommand_from world' -a list -d 'the worlds of the project in this folder, and the built-in ones'
 complete -c grip -n '__fish_is_nth_token 2 ; and __fish_seen_subcommand_from world' -a show -d 'what stands in a world, which regions and cameras it has'
-complete -c grip -n '__fish_is_nth_token 2 ; and __fish_seen_subcommand_from world' -a check -d 'everything that is wrong with worlds\' files; exit status 1 for errors'
+complete -c grip -n '__fish_is_nth_token 2 ; and __fish_seen_subcommand_from world' -a check -d 'all that is wrong with worlds\' files, on 20 seeds; exit status 1 for errors'
 complete -c grip -n '__fish_is_nth_token 2 ; and __fish_seen_subcommand_from world' -a new -d 'copy a built-in world into the project, to be changed'
 complete -c grip -n '__fish_seen_subcommand_from world' -l quiet -d 'print results and errors only'
 complete -c grip -n '__fish_seen_subcommand_from world' -l verbose -d 'also print what is logged, and where an error was raised'
