@@ -49,7 +49,7 @@ def main() -> int:
     from grip_bt.app.wiring.equipment import Equipment  # after the signals: importing takes a moment
     from grip_bt.runtime.control import Control
 
-    main_thread, status = threading.get_ident(), 1
+    main_thread, status, frozen = threading.get_ident(), 1, False
     with Equipment(lasting=True) as equipment:
         while order is not None:
             control = Control(commands, events, lambda: signal.pthread_kill(main_thread, signal.SIGUSR1))
@@ -58,8 +58,9 @@ def main() -> int:
                 break
             _forget_modules(order["task"])
             gc.collect()
-            if not gc.get_freeze_count():
+            if not frozen:  # to have what is frozen counted takes as long as to look through it
                 gc.freeze()  # what is there after the first run stays, and needn't be looked through again
+                frozen = True
             control.leave()
             control.send("idle")
             order = control.order.get()
