@@ -11,7 +11,7 @@ with warnings.catch_warnings():
     warnings.filterwarnings("ignore", message="Failed to find system libvulkan")
     import sapien
     from sapien import physx
-    from sapien.wrapper.articulation_builder import LinkBuilder
+    from sapien.wrapper.articulation_builder import ArticulationBuilder, LinkBuilder
 
 from grip_sim.objects.body import ObjectModel
 from grip_sim.specs import GRAVITY, ObjectSpec
@@ -84,4 +84,4 @@ def add_model(scene: sapien.Scene, spec: ObjectSpec, model: ObjectModel) -> phys
     return body
 
 
-__all__ = ["LinkBuilder", "physx", "sapien"]
+__all__ = ["ArticulationBuilder", "LinkBuilder", "physx", "sapien"]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import tempfile
+import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,7 +14,7 @@ import numpy as np
 from grip_bt.base.arrays import Array, Indices
 from grip_bt.commanders.description.robot import Mimic, RobotDescription
 from grip_bt.commanders.trajectory.stopping import accelerations_of
-from grip_sim.physics import HAND, ignore_each_other, physx, sapien
+from grip_sim.physics import HAND, ArticulationBuilder, ignore_each_other, physx, sapien
 
 NEAR_BASE, THUMB = 30, 29
 PAIRS = range(28, 11, -1)
@@ -284,13 +286,31 @@ class SimRobot:
 
 
 def _load(scene: sapien.Scene, description: RobotDescription) -> physx.PhysxArticulation:
-    loader = scene.create_urdf_loader()
-    loader.fix_root_link = True
-    loader.set_material(0.0, 0.0, 0.0)  # as `FIXED`: an object's own friction counts
-    with tempfile.TemporaryDirectory() as folder:  # the loader reads files only
-        file = Path(folder) / f"{description.name}.urdf"
-        file.write_text(description.urdf_for_physics())
-        body = loader.load(str(file))
+    builder = _builder(description.urdf)
+    body = builder.set_scene(scene).build()
+    builder.set_scene(None)  # it stays, and the scene needn't
     body.set_solver_position_iterations(16)
     body.set_solver_velocity_iterations(1)
     return body
+
+
+@lru_cache(maxsize=4)
+def _builder(urdf: str) -> ArticulationBuilder:
+    """Return what builds a robot, whose URDF takes longer to read than that."""
+    loader = sapien.Scene([]).create_urdf_loader()
+    loader.fix_root_link = True
+    loader.set_material(0.0, 0.0, 0.0)  # as `FIXED`: an object's own friction counts
+    with tempfile.TemporaryDirectory() as folder:  # the loader reads files only
+        file = Path(folder) / "robot.urdf"
+        file.write_text(bare(urdf))
+        ((builder,), _, _) = loader.parse(str(file))
+    return builder
+
+
+def bare(urdf: str) -> str:
+    """Return a URDF without `<visual>`, as nothing renders, and `<mimic>`: joints are tied here."""
+    robot = ET.fromstring(urdf)
+    for part in (*robot.findall("link"), *robot.findall("joint")):
+        for element in (*part.findall("visual"), *part.findall("mimic")):
+            part.remove(element)
+    return ET.tostring(robot, encoding="unicode")

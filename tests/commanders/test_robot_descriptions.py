@@ -51,14 +51,6 @@ def test_every_mesh_exists_on_this_machine(name):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_what_physics_reads_has_all_collision_shapes_and_neither_looks_nor_mimics(name):
-    description = build_robot(name)
-    full, bare = ET.fromstring(description.urdf), ET.fromstring(description.urdf_for_physics())
-    assert not [*bare.iter("visual"), *bare.iter("mimic")]
-    assert len(list(bare.iter("collision"))) == len(list(full.iter("collision"))) > 0
-
-
-@pytest.mark.parametrize("name", ROBOTS)
 def test_hand_and_finger_links_are_links_of_the_robot(name):
     description = build_robot(name)
     links = {e.get("name") for e in ET.fromstring(description.urdf).findall("link")}

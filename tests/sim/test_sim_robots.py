@@ -1,9 +1,12 @@
 """Ready-made robots in the physics: they stand where they rest, and fingers that follow others do."""
 
+import xml.etree.ElementTree as ET
+
 import numpy as np
 import pytest
 
 from grip_bt.commanders.description.load import load_robot
+from grip_bt.commanders.description.packages import ROBOTS
 from grip_sim.specs import BoxSpec, WorldSpec
 
 pytestmark = pytest.mark.sim
@@ -24,6 +27,16 @@ def test_a_ready_made_robot_stands_still_where_it_rests(name):
     rest = load_robot(name).at_rest
     driven = world.robot.measure(world.robot.rows(tuple(rest)))
     assert driven.position == pytest.approx(list(rest.values()), abs=0.01)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_what_physics_reads_has_all_collision_shapes_and_neither_looks_nor_mimics(name):
+    from grip_sim.robot import bare
+
+    urdf = load_robot(name).urdf
+    full, left = ET.fromstring(urdf), ET.fromstring(bare(urdf))
+    assert not [*left.iter("visual"), *left.iter("mimic")]
+    assert len(list(left.iter("collision"))) == len(list(full.iter("collision"))) > 0
 
 
 @pytest.mark.parametrize("dynamics", ['friction="0"', 'damping="0.1"', ""])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
@@ -180,14 +179,6 @@ class RobotDescription:
         """Return positions [rad or m], and where joints are then that follow others; what isn't named is at 0."""
         followed = {name: m.multiplier * positions.get(m.joint, 0.0) + m.offset for name, m in self.mimics.items()}
         return {**positions, **followed}
-
-    def urdf_for_physics(self) -> str:
-        """Return the URDF without `<visual>`, as nothing renders, and `<mimic>`: who simulates ties joints itself."""
-        robot = ET.fromstring(self.urdf)
-        for part in (*robot.findall("link"), *robot.findall("joint")):
-            for element in (*part.findall("visual"), *part.findall("mimic")):
-                part.remove(element)
-        return ET.tostring(robot, encoding="unicode")
 
 
 def _read_only(value: object) -> object:
