@@ -29,6 +29,8 @@ TIE, TIE_TIME = 5.0, 1e-3
 knock each other off what they meet."""
 REGULATION = 8.0
 """Rate at which that torque grows or sinks while fingers don't press at all, or twice as hard as they are to [1/s]."""
+RESTING = 1e-6
+"""A robot rests when nothing was asked of it, and no joint has gone further [rad or m], since it was last looked at."""
 LEAST, MOST = 1e-3, 0.999
 """Torques that regulation leaves a drive, as parts of what it can; all of it has one that has touched nothing yet."""
 
@@ -63,6 +65,9 @@ class SimRobot:
         self._stiffness, self._damping = np.zeros(count), np.zeros(count)
         self._limit, self._force = np.zeros(count), np.zeros(count)
         self._ranges: dict[int, tuple[float, float]] = {}
+        self._there, self._left_alone = np.full(count, np.inf), False
+        self.rests = False
+        """Whether it would stand still for as long as nothing is asked of it, nor touches it."""
         self.pressing: dict[str, list[int]] = {}
         """The hands whose force is regulated, each with the rows of its joints."""
         self._followers: dict[int, list[tuple[int, Mimic]]] = {}
@@ -90,32 +95,28 @@ class SimRobot:
 
     def drive(self, rows: Indices, positions: Array, velocities: Array | None = None) -> None:
         """Set drive targets [rad, rad/s]; without velocities the joints are to stand still."""
-        speeds = np.zeros(len(rows)) if velocities is None else velocities
-        if self._ranges:
-            for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds.tolist(), strict=True):
-                self._aim(row, position, speed)
-            return
-        self._target[rows], self._speed[rows] = positions, speeds
-        for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds.tolist(), strict=True):
-            aim, go = self._drives[row]
-            aim(position)
-            go(speed)
+        self._wake()
+        speeds = [0.0] * len(rows) if velocities is None else velocities.tolist()
+        for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds, strict=True):
+            self._aim(row, position, speed)
 
     def follow(self) -> None:
-        """Aim the joints that mimic others at where those *are*; before each step.
+        """Note where joints are, and aim those that mimic others at where those *are*; before each step.
 
         What stops the leading joint stops the linkage that it moves, so that the fingers stay parallel on a thing. A
         linkage is no damper: each joint is aimed at with the speed that it has.
         """
+        self._before = self.positions()
         if not self._followers:
             return
-        positions, speeds = self.body.get_qpos().tolist(), self.body.get_qvel().tolist()
+        positions, speeds = self._before.tolist(), self.body.get_qvel().tolist()
         for leader, followers in self._followers.items():
             for row, mimic in followers:
                 self._aim(row, mimic.multiplier * positions[leader] + mimic.offset, speeds[row])
 
     def limit_torque(self, rows: Indices, limit: float | None) -> None:
         """Limit the drives' torque [N m]; None restores the description's limits."""
+        self._wake()
         leading = rows.tolist()
         for row in [*leading, *(f for leader in leading for f, _ in self._followers.get(leader, ()))]:
             value = self._most[row] if limit is None else min(limit, self._most[row])
@@ -125,11 +126,13 @@ class SimRobot:
 
     def press(self, rows: Indices, force: float | None) -> None:
         """Have the drives' torque regulated so that the hand presses with a force [N]; None ends that."""
+        self._wake()
         self._force[rows] = force or 0.0
         self._note_pressing()
 
     def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
         """Have a joint's drive keep it within a range [rad or m], where it is for an empty one; None ends that."""
+        self._wake()
         row = self._rows[joint]
         if between is None:
             self._ranges.pop(row, None)
@@ -137,6 +140,15 @@ class SimRobot:
         here = float(self.positions()[row])
         self._ranges[row] = between if between[0] <= between[1] else (here, here)
         self._aim(row, float(self._target[row]), 0.0)
+
+    def doze(self) -> None:
+        """See whether it rests; some steps after it was seen last."""
+        here = self.positions()
+        self.rests = self._left_alone and not self.pressing and bool(np.abs(here - self._there).max() < RESTING)
+        self._there, self._left_alone = here, True
+
+    def _wake(self) -> None:
+        self.rests = self._left_alone = False
 
     def _note_pressing(self) -> None:
         self.pressing = {}
@@ -219,9 +231,8 @@ class SimRobot:
         return Measured(tuple(self._joints[r].name for r in rows.tolist()), q, v, effort)
 
     def compensate(self) -> None:
-        """Apply the joint forces that carry the robot's own weight, and note where joints are; before each step."""
+        """Apply the joint forces that carry the robot's own weight; before each step."""
         self._exert(self._weight(True, True))
-        self._before = self.positions()
 
     def _aim(self, row: int, position: float, speed: float) -> None:
         if row in self._ranges:

@@ -6,7 +6,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from functools import cache, reduce
+from functools import reduce
 from operator import add
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -60,6 +60,8 @@ TOUCH, NONE = 1e-3, np.zeros(3, np.float32)
 """Contact forces below this are none [N]."""
 FEELING = 1 / 80
 """A regulated force is felt so often [s]: to ask for contacts takes as long as a step, and it changes slowly."""
+DOZING = 0.1
+"""Whether the robot rests is seen so often [s]."""
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 """PhysX cylinders lie along x."""
 FLOOR, FLOOR_SIZE, FLOOR_DEPTH, FLOOR_COLOUR = "floor", 20.0, 1.0, (92, 94, 98)
@@ -101,7 +103,7 @@ class World:
         """How often it was advanced."""
         self._moved: set[str] = set()
         self._pressed: dict[str, float] = {}
-        self._feeling = max(1, round(FEELING / spec.dt))
+        self._feeling, self._dozing = (max(1, round(time / spec.dt)) for time in (FEELING, DOZING))
         self.faults = Faults(spec.faults, spec.seed, self)
         links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
         seen = [*still, *self._robot_targets(), *map(self._object_target, spec.objects), *links]
@@ -116,15 +118,19 @@ class World:
     def step(self) -> None:
         """Advance by `spec.dt`."""
         self.faults.stepped()
-        self.robot.follow()
-        self.robot.compensate()
-        for each in self.articulated.values():
-            each.before_step()
-        self._liquids.settle()
-        self.physics()
+        if not self._sleeps():
+            self.robot.follow()
+            self.robot.compensate()
+            for each in self.articulated.values():
+                each.before_step()
+            self._liquids.settle()
+            self.physics()
         self.steps += 1
+        if self.steps % self._dozing == 0 and not self.robot.rests:
+            self.robot.doze()
         self._moved.clear()
-        self._pressed = {hand: force for hand, force in self._pressed.items() if hand in self.robot.pressing}
+        if self._pressed:
+            self._pressed = {hand: force for hand, force in self._pressed.items() if hand in self.robot.pressing}
         for hand, rows in self.robot.pressing.items():
             steps = self._feeling if self._pressed.get(hand) else 1  # what isn't touched yet may be with any step
             if self.steps % steps == 0:
@@ -133,6 +139,10 @@ class World:
         if self._shaking is not None:
             self._shaking.stepped(self.time)
         self.cameras.stepped(self.time)
+
+    def _sleeps(self) -> bool:
+        """Tell whether nothing would move: PhysX has bodies sleep that rest, but never a robot that carries itself."""
+        return self.robot.rests and not self.articulated and all(body.is_sleeping for body in self._objects.values())
 
     def object_pose(self, name: str) -> Pose:
         """Return the pose of an object's centre in world."""
@@ -328,12 +338,7 @@ class World:
     def _in_hand(self) -> tuple[Array, Callable[[], dict[str, Pose]]]:
         palm = self._links[self.robot.description.grasp_frame.link].entity_pose
         poses = {name: body.entity_pose for name, body in self._objects.items()}
-
-        def held() -> dict[str, Pose]:
-            back = palm.inv()
-            return {name: _pose(back * pose) for name, pose in poses.items()}
-
-        return palm.p, cache(held)
+        return palm.p, lambda: {name: _pose(palm.inv() * pose) for name, pose in poses.items()}
 
     def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
         if name not in self._objects:
