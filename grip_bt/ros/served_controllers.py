@@ -219,7 +219,8 @@ class TrajectoryController(Controller):
 
     def _move(self, goal: _Goal) -> Operation[JointState]:
         trajectory = goal.asked.trajectory
-        goal.path = continued(list(trajectory.joint_names), trajectory.points, self._executor.state())
+        names, state, streamed = list(trajectory.joint_names), self._executor.state(), goal.handle is None
+        goal.path = continued(names, trajectory.points, state, streamed)
         return self._follow_path(goal.path)
 
     def _follow_path(self, path: Trajectory) -> Operation[JointState]:
@@ -362,12 +363,13 @@ class _Goal:
             self.handle.publish_feedback(feedback)
 
 
-def continued(names: Sequence[str], points: Sequence[Message], state: JointState) -> Trajectory:
+def continued(names: Sequence[str], points: Sequence[Message], state: JointState, streamed: bool) -> Trajectory:
     """Return a trajectory through given points that begins where the joints are, as fast as they move.
 
     Args:
         points: of the message; times from now, the first may be later than 0. Velocities that aren't given are those of
             a curve through the points that rests at its end.
+        streamed: whether others follow, so that joints go straight to a single point without velocities, and on.
     """
     order = [names.index(name) for name in state.names]
     late = [point for point in points if seconds(point.time_from_start) > NEAR]
@@ -381,5 +383,6 @@ def continued(names: Sequence[str], points: Sequence[Message], state: JointState
         velocities = np.array([now, *(np.array(point.velocities)[order] for point in late)])
     else:
         velocities = np.gradient(positions, times, axis=0)
-        velocities[0], velocities[-1] = now, 0.0
+        if len(late) > 1 or not streamed:
+            velocities[0], velocities[-1] = now, 0.0
     return Trajectory(state.names, times, positions, velocities)

@@ -25,6 +25,7 @@ from ros_rigs import (
     topic_executor,
     trajectory_executor,
 )
+from served_rigs import served_executor, served_world
 from simulated_rigs import (
     commanded_simulated_arm,
     commanded_simulated_hand,
@@ -167,6 +168,13 @@ def ros_move_group() -> Iterator[Any]:
         yield made
 
 
+@pytest.fixture(scope="session")
+def served_robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Return a served world, a bus and its controllers for all tests."""
+    with served_world(tmp_path_factory.mktemp("served")) as made:
+        yield made
+
+
 ROS = (pytest.mark.ros, pytest.mark.slow)
 MARKS = {
     "simulated": pytest.mark.sim,
@@ -196,6 +204,7 @@ EXECUTORS = {
     "ros_stream_held": held_streamed_executor,
     "ros_joined": joined_trajectory_executors,
     "move_group": move_group_executor,
+    "served": served_executor,
 }
 PAUSABLE = {
     "held": held_executor,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from patience import PATIENCE, until
+from served_rigs import served_world
 from simulated_rigs import SPOT, reach, simulated_hand_port
 
 from grip_bt.base.failures import SensorError
@@ -19,17 +20,6 @@ from grip_bt.base.ports import Touch
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.fake import FakeArm, FakeHand
-
-PROJECT = """grip: 1
-robot: panda_allegro
-arms: {right: {group: arm, hand: right_hand}}
-hands: {right_hand: {group: hand}}
-world: held
-"""
-WORLD = """grip: 1
-fixtures: {table: {box: [0.7, 1.2, 0.1], at: [0.65, 0, -0.1]}}
-objects: {thing: {shape: cylinder, radius: 0.03, height: 0.18, at: [0.9, 0.45, 0]}}
-"""
 
 
 @dataclass
@@ -126,22 +116,9 @@ def ros(ros_robot: tuple[Any, Any]) -> Iterator[TouchRig]:
 @contextmanager
 def served(folder: Path) -> Iterator[TouchRig]:
     """Read as on a robot, by what `grip sim` says to put into grip.yaml, what that serves."""
-    from patient_bus import PatientBus
-
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.app.wiring.ros_simulation import serve_world
     from grip_bt.ros.controllers import TopicTouch, TopicWrench
-    from grip_bt.ros.environment import free_domain
-    from grip_bt.task.catalog.ros_config import RosRobotConfig
 
-    (folder / "grip.yaml").write_text(PROJECT)
-    (folder / "worlds").mkdir()
-    (folder / "worlds" / "held.yaml").write_text(WORLD)
-    with free_domain() as domain, pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
-        patch.setenv("ROS_DOMAIN_ID", str(domain))
-        world = stack.enter_context(serve_world(find_project(folder), "held", 0, 1.0, lambda part, detail: None))
-        bus = stack.enter_context(PatientBus(f"touch_{domain}", domain_id=domain))
-        told = RosRobotConfig.model_validate(world.settings["ros"]).controllers
+    with served_world(folder) as (world, bus, told):
         simulation = world.simulation
         reach(simulation)
         hand, states = simulation.hand("hand"), build_robot("panda_allegro").named_states["hand"]

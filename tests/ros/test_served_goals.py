@@ -58,3 +58,16 @@ def test_an_older_goal_never_takes_the_place_of_a_newer_one(order, monkeypatch):
         Held.threads[number].run()
     assert followed == [pytest.approx(0.2)]
     assert isinstance(older.future.result(), CanceledError)
+
+
+def test_the_single_point_of_a_stream_is_passed_at_the_speed_that_leads_to_it():
+    """As joint_trajectory_controller has positions without velocities; a goal rests at its end."""
+    from trajectory_msgs.msg import JointTrajectoryPoint
+
+    from grip_bt.ros.served_controllers import continued
+
+    point = JointTrajectoryPoint(positions=[0.3])
+    point.time_from_start.nanosec = 100_000_000
+    state = JointState(("a",), np.array([0.1]), np.array([0.5]))
+    assert continued(["a"], [point], state, True).velocities[:, 0] == pytest.approx([2.0, 2.0])
+    assert continued(["a"], [point], state, False).velocities[:, 0] == pytest.approx([0.5, 0.0])
