@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
@@ -22,7 +23,6 @@ from grip_bt.base.errors import libraries_of
 from grip_bt.base.interpreter import python_command
 from grip_bt.cli.terminal import tell
 from grip_bt.ros.environment import environment
-from grip_sim.cameras import render_support
 
 _APT = "apt-get install "
 _CLONE = Path(__file__).parents[2].joinpath("Makefile").is_file()
@@ -51,22 +51,28 @@ def _imports(part: str, extra: str, modules: dict[str, str]) -> Finding:
     code = "import " + ", ".join(modules)
     done = subprocess.run(python_command("-W", "ignore", "-c", code), capture_output=True, text=True, timeout=120)
     if done.returncode == 0:
-        return Finding(part, "ok", ", ".join(f"{d} {_version(d)}" for d in modules.values()))
+        return Finding(part, "ok", ", ".join(map(_version, modules.values())))
     reason = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"])[-1]
     state: Literal["missing", "broken"] = "missing" if "ModuleNotFoundError" in reason else "broken"
     return Finding(part, state, reason, libraries_of(reason) or _INSTALL.format(extra=extra))
 
 
-def _version(distribution: str) -> str:
-    try:
-        return version(distribution)
-    except PackageNotFoundError:
-        return "(not a package)"
+def _version(names: str) -> str:
+    """Return the one of these distributions that is here, and its version."""
+    for name in names.split():
+        with suppress(PackageNotFoundError):
+            return f"{name} {version(name)}"
+    return f"{names} (not a package)"
 
 
 def _rendering() -> Finding:
+    missing = partial(Finding, "camera", "missing", remedy=_INSTALL.format(extra="sim"), needed=False)
     if find_spec("sapien") is None:
-        return Finding("camera", "missing", "no module 'sapien'", _INSTALL.format(extra="sim"), needed=False)
+        return missing("no module 'sapien'")
+    try:
+        from grip_sim.cameras import render_support  # here: what it lacks is a finding, whatever it is
+    except ImportError as error:
+        return missing(str(error))
     return Finding("camera", "ok", render_support(), needed=False)
 
 
@@ -82,13 +88,13 @@ def _compiler() -> Finding:
     return Finding("compiler", "ok" if found else "missing", found or "no gcc/g++ to build ROS interfaces with", remedy)
 
 
-_CORE = {name: name for name in ("py_trees", "pydantic", "networkx", "fastapi", "uvicorn")}
+_CORE = {name: name for name in ("py_trees", "pydantic", "networkx", "fastapi", "uvicorn", "numpy")}
 _MOTION = {"pinocchio": "pin", "coal": "coal", "ompl.base": "ompl", "toppra": "toppra"}
 _CHECKS: tuple[Callable[[], Finding], ...] = (
     _python,
     partial(_imports, "core", "all", _CORE),
     partial(_imports, "motion", "motion", _MOTION),
-    partial(_imports, "simulator", "sim", {"sapien": "sapien", "cv2": "OpenCV"}),
+    partial(_imports, "simulator", "sim", {"sapien": "sapien", "cv2": "opencv-python opencv-python-headless"}),
     _rendering,
     _ros,
     _compiler,
@@ -121,7 +127,7 @@ def _mended(findings: list[Finding]) -> bool:
     extras = sorted(set(re.findall(r"grip-bt\[(\w+)\]", " ".join(remedies))))
     packages = sorted({name for each in remedies if _APT in each for name in each.split(_APT)[1].split()})
     commands = [[sys.executable, "-m", "pip", "install", f"grip-bt[{','.join(extras)}]"]] if extras else []
-    if packages and os.geteuid() == 0:
+    if packages and os.geteuid() == 0 and shutil.which("apt-get"):
         commands.append(["apt-get", "install", "-y", *packages])
     for command in commands:
         print(f"$ {shlex.join(command)}", file=sys.stderr, flush=True)
