@@ -32,7 +32,7 @@ class Concurrence(Container):
         outcome_cb: Callable[[dict[str, str]], str | None] | None = None,
         child_termination_cb: Callable[[dict[str, str | None]], object] | None = None,
     ):
-        super().__init__(outcomes, input_keys, output_keys)
+        Container.__init__(self, outcomes, input_keys, output_keys)
         self._states: dict[str, State] = {}
         self._remappings: dict[str, Remapping] = {}
         self._threads: dict[str, threading.Thread] = {}

@@ -33,7 +33,7 @@ class Container(State):
         input_keys: list[str] = NOTHING,
         output_keys: list[str] = NOTHING,
     ):
-        super().__init__(outcomes, input_keys, output_keys)
+        State.__init__(self, outcomes, input_keys, output_keys)
         self.userdata = UserData()
         self._start_cbs: list[tuple[Callable[..., Any], Iterable[Any]]] = []
         self._transition_cbs: list[tuple[Callable[..., Any], Iterable[Any]]] = []

@@ -31,7 +31,7 @@ class Iterator(Container):
     ):
         if exhausted_outcome not in outcomes:
             outcomes.append(exhausted_outcome)
-        super().__init__(outcomes, input_keys, output_keys)
+        Container.__init__(self, outcomes, input_keys, output_keys)
         self._items = it
         self._items_label = it_label
         self._exhausted_outcome = exhausted_outcome

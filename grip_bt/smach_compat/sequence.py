@@ -21,7 +21,7 @@ class Sequence(StateMachine):
         input_keys: list[str] = NOTHING,
         output_keys: list[str] = NOTHING,
     ):
-        super().__init__(outcomes, input_keys, output_keys)
+        StateMachine.__init__(self, outcomes, input_keys, output_keys)
         self._connector_outcome = connector_outcome
         self._last_added_seq_label: str | None = None
 

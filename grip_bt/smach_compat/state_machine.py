@@ -23,7 +23,7 @@ class StateMachine(Container):
         input_keys: list[str] = NOTHING,
         output_keys: list[str] = NOTHING,
     ):
-        super().__init__(outcomes, input_keys, output_keys)
+        Container.__init__(self, outcomes, input_keys, output_keys)
         # Legacy code reads and writes these, so they stay plain and are read afresh at each transition.
         self._states: dict[str, State] = {}
         self._transitions: dict[str, dict[str, str | None]] = {}
