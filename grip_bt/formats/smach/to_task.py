@@ -32,6 +32,7 @@ from .userdata import (
     source_of,
 )
 
+COPIED = "is a copy in SMACH"
 ONE_LEAF = "imported as one leaf that runs the original container"
 Ends = Mapping[str, str]
 """Outcome of a node -> the outcome of SMACH that it stands for."""
@@ -170,7 +171,7 @@ class TaskMaker:
         own = private_keys(found, added, shared)
         for key in (k for k in state.input_keys if k in own and shared[k] in self.variables.first):
             own.discard(key)  # what a task can't hold isn't there to be copied before a leaf asks for it
-            state.problem("partial", f"userdata `{key}` is a copy in SMACH; the task has one variable, `{shared[key]}`")
+            state.problem("partial", f"userdata `{key}` {COPIED}; the task has one variable, `{shared[key]}`")
         copied, out = ({k: shared[k] for k in ks if k in own} for ks in (state.input_keys, state.output_keys))
         before = dict(self.variables.names), dict(self.leaves.specs)
         try:
@@ -190,6 +191,8 @@ class TaskMaker:
             self.variables.names, self.leaves.specs = before
             runs = bool(self.leaves.source(state))
             state.issues = [i for i in state.issues if not runs or i.severity != "error"]
+            for each in state.within() if runs else ():  # SMACH itself copies
+                each.issues = [issue for issue in each.issues if COPIED not in issue.message]
             as_leaf = ONE_LEAF if runs else "left out of the task"
             state.problem("note" if runs else "failed", f"{as_leaf}: {error}")
         return self._leaf(found, added, keys, remapping)
