@@ -104,6 +104,19 @@ class _Kind(type):
             judge.lasting[cls, made_by] = judge.decide(what, True)
         return bool(judge.lasting[cls, made_by])
 
+    def __eq__(cls, other: object) -> bool:
+        if cls is other or not isinstance(other, _Kind):
+            return cls is other or NotImplemented
+        if cls.__name__ != other.__name__:
+            return False
+        both = frozenset(map(id, (cls, other)))  # a class may be had by more than one name
+        if both not in judge.lasting:
+            judge.lasting[both] = judge.decide(f"the classes {cls.__name__} are one", True)
+        return bool(judge.lasting[both])
+
+    def __hash__(cls) -> int:
+        return hash(cls.__name__)
+
     def __iter__(cls) -> Iterator[Any]:
         judge.note(cls.__name__)
         return iter(())

@@ -211,7 +211,8 @@ def _why(place: Place, record: Record) -> str:
     if imports and all(imports):
         return f"wasn't built, since importing the file raises {imports[0]}"
     names = (place.around, place.cls) if place.around or place.cls else ("__main__",)
-    for run in record.runs:
-        if run.error and run.builder.split(".")[0] in names:
-            return f"wasn't built: {'the program' if run.builder == '__main__' else run.builder}: {run.error}"
-    return "wasn't built by anything that was called"
+    failed = [run for run in record.runs if run.error and run.builder.split(".")[0] in names]
+    if not failed:
+        return "wasn't built by anything that was called"
+    run = max(failed, key=lambda run: len(run.answers))  # the one that got on furthest
+    return f"wasn't built: {'the program' if run.builder == '__main__' else run.builder}: {run.error}"

@@ -40,7 +40,7 @@ MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS, MOST_FRUITLESS = 100, 6, 6, 16
 how often in a row, before anything was built, that ends in an error that was seen before."""
 MOST_QUESTIONS = 400
 _MEMORY = 4 << 30
-_ROS = ("rospy", "rclpy", "roslib", "actionlib", "smach_ros", "tf", "tf2_ros", "launch", "launch_ros")
+_ROS = ("rospy", "rosparam", "rclpy", "roslib", "actionlib", "smach_ros", "tf", "tf2_ros", "launch", "launch_ros")
 _INTERFACES = ("_msgs", "_srvs", "_interfaces")
 _BUILDERS = {cls.__name__ for cls in CONTAINERS}
 _OURS = (os.path.dirname(__file__), os.path.dirname(stand_ins.__file__))

@@ -24,6 +24,8 @@ from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree
 
+import yaml
+
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_source import Workspace
 from grip_bt.nodes.stand_ins import StandInFinder, known, lasting, lifted, name_of, stand_in, stand_in_class, stands_in
@@ -229,16 +231,60 @@ def _packages(workspace: Workspace, packs: Any) -> None:
     packs.get_depends_on, packs.get_manifest = depending, described
 
 
+_ABSENT: Any = object()
+
+
+def _in_namespace(name: str) -> Any:
+    """Return a ROS parameter of a namespace of which somebody has said all that is in it; UNKNOWN if nobody has."""
+    parts = name.strip("/").split("/")
+    for number in range(len(parts) - 1, -1, -1):
+        for begin in ("ROS parameter /", "ROS parameter "):
+            found = stand_ins.judge.known.get(begin + "/".join(parts[:number]))
+            if isinstance(found, dict):
+                for part in parts[number:]:
+                    found = found.get(part, _ABSENT) if isinstance(found, dict) else _ABSENT
+                return found
+    return stand_ins.UNKNOWN
+
+
+def _rosparam(module: ModuleType) -> None:
+    """Have parameters that a program uploads be those that it reads."""
+
+    def load(file: Any, namespace: str | None = None, *rest: Any) -> Any:
+        if stands_in(file):
+            return stand_in(f"parameters of {name_of(file)}")
+        with open(file) as text:
+            return [(yaml.safe_load(text), namespace or "/")]
+
+    def upload(namespace: Any, values: Any, *rest: Any) -> None:
+        for name, value in values.items() if isinstance(values, dict) and not stands_in(namespace) else ():
+            stand_ins.judge.known[f"ROS parameter {namespace.rstrip('/')}/{name}"] = value
+
+    given: dict[str, Any] = {"load_file": load, "upload_params": upload}
+    for name, function in given.items():
+        function._stand_in_free = True
+        setattr(module, name, function)
+
+
 def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
     """Give packages of ROS that aren't here what construction needs of them."""
 
     def rospy(module: ModuleType) -> None:
         def parameter(name: Any, default: Any = stand_ins.UNKNOWN) -> Any:
+            found = stand_ins.UNKNOWN if stands_in(name) else _in_namespace(name)
+            if found is _ABSENT and default is stand_ins.UNKNOWN:
+                raise KeyError(name)
+            if found is not stand_ins.UNKNOWN:
+                return default if found is _ABSENT else found
             return lasting(f"ROS parameter {name}", default, default is not None)
 
         given: dict[str, Any] = {
             "get_param": parameter,
-            "has_param": lambda name: not stands_in(parameter(name)) or stand_in(f"ROS parameter {name}", wanted=False),
+            "has_param": lambda name: (
+                stand_in(f"ROS parameter {name}", wanted=False)
+                if stands_in(found := parameter(name, _ABSENT))
+                else found is not _ABSENT
+            ),
             "is_shutdown": lambda: stand_in("rospy.is_shutdown()"),
             "myargv": lambda *given, **named: sys.argv,
         }
@@ -262,7 +308,7 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         _packages(workspace, module.RosPack)
         module.RosPack.get_path = lambda self, name: folder(name)
 
-    finder.made |= {"rospy": rospy, "smach_ros": smach_ros, "rospkg": rospkg}
+    finder.made |= {"rospy": rospy, "rosparam": _rosparam, "smach_ros": smach_ros, "rospkg": rospkg}
     for name, function in (
         ("roslib.packages", "get_pkg_dir"),
         ("ament_index_python.packages", "get_package_share_directory"),

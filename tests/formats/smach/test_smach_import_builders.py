@@ -4,6 +4,7 @@ import pytest
 from smach_runs import record, run_legacy, run_task, write_files
 
 from grip_bt.nodes.smach_construction import built_in, run_as_main
+from grip_bt.nodes.smach_source import load_legacy
 
 HEAD = "import smach\n\n\nclass Step(smach.State):\n    def __init__(self, name='x'):\n"
 HEAD += (
@@ -239,3 +240,109 @@ def test_a_machine_that_a_library_makes_runs_in_the_place_of_what_is_executed(tm
     for target in ("bt", "sm"):
         outcome, ends, _ = run_task(next(iter(paths.values())), target)
         assert (outcome, [path.strip("/") for path, _ in ends]) == (wanted[0], [path for path, _ in wanted[1]])
+
+
+LOOKS = """
+class Point(object):
+    number = 0
+
+
+class Look(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, ['done'], ['number'], ['at'])
+
+    def execute(self, ud):
+        point = Point()
+        point.number = ud.number + 1
+        ud.at = point
+        return 'done'
+
+
+class Check(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, ['kept', 'changed'], ['at'])
+
+    def execute(self, ud):
+        return 'changed' if ud.at.number else 'kept'
+
+
+def build():
+    sm = smach.StateMachine(outcomes=['kept', 'changed'])
+    sm.userdata.at, sm.userdata.many = Point(), [1, 2]
+    with sm:
+        each = smach.Iterator(
+            ['done'], ['at', 'many'], [], it=lambda: range(len(sm.userdata.many)), it_label='number',
+            exhausted_outcome='done')
+        with each:
+            inner = smach.StateMachine(['done'], ['at', 'number'], ['at'])
+            with inner:
+                smach.StateMachine.add('LOOK', Look())
+            smach.Iterator.set_contained_state('INNER', inner, loop_outcomes=['done'])
+        smach.StateMachine.add('EACH', each, {'done': 'CHECK'})
+        smach.StateMachine.add('CHECK', Check())
+    return sm
+"""
+
+
+def test_a_container_that_one_leaf_runs_keeps_its_own_copies_of_what_no_task_can_hold(tmp_path):
+    file = tmp_path / "legacy.py"
+    file.write_text(HEAD + LOOKS)
+    imported = record(file)
+    assert {c.verdict for c in imported.containers} == {"exact"}
+    paths = {name: tmp_path / "out" / f"{name}.yaml" for name in imported.tasks}
+    write_files(imported, paths, tmp_path / "out" / "nodes")
+    for target in ("bt", "sm"):
+        assert run_task(paths["build"], target)[0] == run_legacy(load_legacy(file).build())[0] == "kept"
+
+
+MISCALLED = """
+class Ask(smach.State):
+    def __init__(self):
+        smach.StateMachine.__init__(self, outcomes=['done'])
+
+    def execute(self, ud):
+        return 'done'
+
+
+def build():
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        smach.StateMachine.add('ASK', Ask())
+    return sm
+"""
+PARAMETERS = """
+import os
+import rosparam
+import rospy
+
+
+def build():
+    for values, space in rosparam.load_file(os.path.join(os.path.dirname(__file__), 'poses.yaml')):
+        rosparam.upload_params(space, values)
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        for label in rospy.get_param('/poses/kitchen/names') + rospy.get_param('/hall/names', ['NO_HALL']):
+            smach.StateMachine.add(label, Step())
+        if rospy.has_param('/hall/door/names'):
+            smach.StateMachine.add('DOOR', Step())
+    return sm
+"""
+
+
+def test_a_state_that_calls_the_constructor_of_a_container_is_a_state_as_in_smach(tmp_path):
+    file = tmp_path / "legacy.py"
+    file.write_text(HEAD + MISCALLED)
+    (found,) = record(file).containers
+    assert (found.verdict, found.added["ASK"].state.cls) == ("exact", "Ask")
+
+
+@pytest.mark.parametrize(
+    ("hall", "labels"),
+    [({"names": ["H"], "door": {}}, ["K", "H"]), ({"door": {"names": []}}, ["K", "NO_HALL", "DOOR"])],
+)
+def test_parameters_that_are_given_or_uploaded_whole_are_known_by_all_their_names(hall, labels, tmp_path):
+    file = tmp_path / "legacy.py"
+    file.write_text(HEAD + PARAMETERS)
+    (tmp_path / "poses.yaml").write_text("poses: {kitchen: {names: [K]}}\n")
+    (found,) = record(file, given={"": {"ROS parameter /": {"hall": hall}}}).containers
+    assert (found.verdict, list(found.added)) == ("exact", labels)
