@@ -179,10 +179,6 @@ class SimRobot:
         names = {self._joints[row].name for row in rows.tolist()}
         return [group for group, joints in self.description.groups.items() if names.intersection(joints)]
 
-    def hold(self, rows: Indices) -> None:
-        """Make the present positions the targets."""
-        self.drive(rows, self.positions()[rows])
-
     def accelerations(self, rows: Indices) -> Array:
         """Return the acceleration limits of joints [rad/s^2]."""
         return accelerations_of([self._joints[row].name for row in rows.tolist()], self.description.acceleration_limits)

@@ -196,7 +196,7 @@ class Server:
     def _finish(self, number: int, end: Ended) -> None:
         motion = self._motions.pop(number)
         if end.error == "aborted":  # not pressing on towards a goal that won't be reached
-            self.world.robot.hold(motion.rows)
+            self.world.robot.drive(motion.rows, self.world.robot.positions()[motion.rows])
         self._tell_end(number, motion, end)
         self._say_held()
 
@@ -329,7 +329,7 @@ class Server:
         return {"felt": getattr(self.world, what)(self.world.robot.hand_of(int(self.world.robot.rows(names)[0])))}
 
     def _call_look(self, number: int, camera: str) -> Answer:
-        frame = self.world.look(camera)
+        frame = self.world.cameras.look(camera)
         age = self.world.time - frame.time
         return {"pose": _listed(frame.pose), "age": age, "image": frame.image, "depth": frame.depth}
 

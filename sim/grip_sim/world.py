@@ -20,7 +20,6 @@ from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_sim.articulated.bodies import make_articulated, moving, set_moving
 from grip_sim.articulated.model import Vector
-from grip_sim.cameras import Frame
 from grip_sim.cameras.looks import Target, visuals_of
 from grip_sim.cameras.mesh_files import Look
 from grip_sim.cameras.rig import Rig
@@ -203,12 +202,6 @@ class World:
         body.set_linear_velocity(np.add(body.linear_velocity, by))
         body.wake_up()
 
-    def link_pose(self, name: str) -> Pose:
-        """Return the pose of a robot's link in world."""
-        if name not in self._links:
-            raise UnknownNameError("link", name, self._links)
-        return _pose(self._links[name].entity_pose)
-
     def contacts(self) -> Iterator[Contact]:
         """Yield the contacts of the last step that carry a force; those of objects moved since then are void."""
         for contact in self._scene.get_contacts():
@@ -288,10 +281,6 @@ class World:
         own = {f"{name}_{key}": n for name, each in self.articulated.items() for key, n in each.measures().items()}
         return own | liquids | shaken
 
-    def look(self, camera: str) -> Frame:
-        """Take a frame with a camera. Raises UnknownNameError where there is no such camera."""
-        return self.cameras.look(camera)
-
     def kept(self) -> dict[str, Array]:
         """Return everything that moves, and how: the robot, and the poses and velocities of the objects."""
         bodies = list(self._objects.values())
@@ -322,15 +311,8 @@ class World:
 
     def fingerprint(self) -> str:
         """Return a hash over everything that moves."""
-        digest = hashlib.sha256(self.robot.positions().tobytes())
-        digest.update(self.robot.kept()["velocities"].tobytes())
-        for body in self._objects.values():
-            pose = body.entity_pose
-            for part in (pose.p, pose.q, body.linear_velocity, body.angular_velocity):
-                digest.update(np.asarray(part, dtype=np.float32).tobytes())
-        for each in self.articulated.values():
-            digest.update(np.asarray(each.kept(), dtype=np.float32).tobytes())
-        return digest.hexdigest()
+        state = np.concatenate([np.ravel(part) for part in self.kept().values()])
+        return hashlib.sha256(state.astype(np.float32).tobytes()).hexdigest()
 
     def _watch(self) -> Shaking | None:
         return None if self.spec.shake is None else Shaking(self.spec.shake, self._in_hand)

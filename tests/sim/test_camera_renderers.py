@@ -198,7 +198,9 @@ def test_a_frame_is_the_same_bit_by_bit_whatever_the_threads():
         for count in (1, 2, 4):
             cv2.setNumThreads(count)
             frames.append(
-                World(replace(load_world("table", 3), cameras=(CameraSpec(renderer="raster"),))).look("overhead")
+                World(replace(load_world("table", 3), cameras=(CameraSpec(renderer="raster"),))).cameras.look(
+                    "overhead"
+                )
             )
     finally:
         cv2.setNumThreads(threads)
@@ -285,12 +287,12 @@ def test_sapien_s_renderer_sees_the_same():
     view = CameraSpec("view", 160, 120, 0.9, (1.2, 0.5, 0.6), target=(0.5, 0.0, 0.1), renderer="raster")
     cameras = (view, replace(view, name="vulkan", renderer="sapien"))
     world = World(WorldSpec(objects=load_world("table", 0).objects, cameras=cameras))
-    drawn, seen = world.look("view"), world.look("vulkan")
+    drawn, seen = world.cameras.look("view"), world.cameras.look("vulkan")
     assert (drawn.labels == seen.labels).mean() > 0.999
     same = (drawn.labels == seen.labels) & (drawn.labels >= 0)
     assert np.quantile(np.abs(drawn.depth - seen.depth)[same], 0.99) < 1e-5
     assert np.abs(drawn.normals - seen.normals)[same].mean() < 1e-3
     assert np.abs(drawn.image.astype(int) - seen.image)[same].mean() < 20
-    again = world.look("vulkan")
+    again = world.cameras.look("vulkan")
     assert np.array_equal(again.depth, seen.depth)
     assert np.array_equal(again.image, seen.image)

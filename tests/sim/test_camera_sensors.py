@@ -54,9 +54,9 @@ def test_a_camera_on_a_link_goes_where_the_link_goes():
     for turn in (0.0, 0.8):
         world.robot.place({"panda_joint1": turn})
         world.step()
-        frame = world.look("wrist")
-        carrier = world.link_pose("panda_link8")
-        assert frame.pose.matrix() == pytest.approx((carrier @ WRIST.info().pose).matrix(), abs=1e-6)
+        frame = world.cameras.look("wrist")
+        carrier = next(link for link in world.robot.links if link.name == "panda_link8").entity_pose
+        assert frame.pose.matrix() == pytest.approx((Pose(carrier.p, carrier.q) @ WRIST.info().pose).matrix(), abs=1e-6)
         assert frame.time == world.time
         seen.append(frame)
     assert np.linalg.norm(seen[0].pose.position - seen[1].pose.position) > 0.2
@@ -155,21 +155,21 @@ def test_a_frame_says_a_pose_that_is_off_as_much_as_is_said_and_the_camera_stays
     assert np.std([pose.rotation_vector() for pose in off]) == pytest.approx(0.01, rel=0.1)
     assert NoiseSpec().on_pose(true, [1]) is true
     world = world_of(replace(SMALL, noise=sensor))
-    assert world.look("overhead").pose != world.cameras.pose("overhead") == SMALL.info().pose
+    assert world.cameras.look("overhead").pose != world.cameras.pose("overhead") == SMALL.info().pose
 
 
 def test_the_same_seed_gives_the_same_frames_bit_by_bit_and_another_one_others():
     noisy = replace(SMALL, noise=PRESETS["realsense"])
     first = world_of(noisy)
-    frames = [first.look("overhead"), first.look("overhead")]
+    frames = [first.cameras.look("overhead"), first.cameras.look("overhead")]
     second = world_of(noisy)
     second.cameras.view("overhead")  # a look without faults is no frame of the sensor
-    again = [second.look("overhead"), second.look("overhead")]
+    again = [second.cameras.look("overhead"), second.cameras.look("overhead")]
     assert same(frames[0], again[0])
     assert same(frames[1], again[1])
     assert not same(frames[0], frames[1])
-    assert not same(frames[0], world_of(noisy, seed=2).look("overhead"))
-    clean = world_of(SMALL).look("overhead")
+    assert not same(frames[0], world_of(noisy, seed=2).cameras.look("overhead"))
+    clean = world_of(SMALL).cameras.look("overhead")
     off = (frames[0].depth - clean.depth)[frames[0].depth > 0]
     expected = PRESETS["realsense"].deviation(clean.depth, SMALL.info().matrix[0, 0], 1.0)
     assert np.median(np.abs(off)) < 3 * np.median(expected)
@@ -194,8 +194,8 @@ def test_a_late_camera_shows_the_world_as_it_was():
     depths = {}
     for _ in range(60):
         world.step()
-        depths[round(world.time, 6)] = world.look("overhead").depth
-    frame = world.look("late")
+        depths[round(world.time, 6)] = world.cameras.look("overhead").depth
+    frame = world.cameras.look("late")
     assert frame.time == pytest.approx(world.time - 0.1)
     assert np.array_equal(frame.depth, depths[round(frame.time, 6)])
     assert not np.array_equal(frame.depth, depths[round(world.time, 6)])

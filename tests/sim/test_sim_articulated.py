@@ -170,7 +170,7 @@ def test_a_camera_sees_the_parts_and_a_cap_where_it_went():
     world = World(WorldSpec(robot="panda", objects=(), cameras=(camera,), articulated={"bottle": said}))
 
     def seen():
-        frame = world.look("front")
+        frame = world.cameras.look("front")
         rows, _ = np.nonzero(frame.labels == frame.names.index("bottle_cap"))
         return float(rows.mean())
 

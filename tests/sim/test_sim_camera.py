@@ -34,7 +34,7 @@ def world():
 
 @pytest.fixture(scope="module")
 def overhead(world):
-    return world.look("overhead")
+    return world.cameras.look("overhead")
 
 
 def looked_down_upon(height):
@@ -92,7 +92,7 @@ def test_nothing_is_seen_that_the_geometry_does_not_have(overhead):
 
 
 def test_the_front_of_a_cylinder_is_round_seen_from_the_side(world):
-    frame, info = world.look("side"), SIDE.info()
+    frame, info = world.cameras.look("side"), SIDE.info()
     rays = info.rays()
     row = SIDE.height // 2
     labels = frame.labels[row]
@@ -110,7 +110,7 @@ def test_the_front_of_a_cylinder_is_round_seen_from_the_side(world):
 
 
 def test_where_nothing_is_the_depth_is_zero_and_the_label_says_so(world):
-    frame = world.look("side")
+    frame = world.cameras.look("side")
     assert (frame.labels == -1).any()
     assert (frame.depth[frame.labels == -1] == 0).all()
     assert (frame.depth[frame.labels != -1] > 0).all()
@@ -142,7 +142,7 @@ def test_the_arm_at_home_hides_nothing_of_the_pick_region():
     from grip_sim.world import World
 
     made = World(load_world("table", 0))
-    frame, info = made.look("overhead"), CameraSpec().info()
+    frame, info = made.cameras.look("overhead"), CameraSpec().info()
     x, y = np.meshgrid(np.arange(PICK_X[0], PICK_X[1], 0.01), np.arange(PICK_Y[0], PICK_Y[1], 0.01))
     robot = {link.name for link in made.robot.links}
     for height in (0.0, 0.17):
@@ -158,14 +158,14 @@ def test_a_frame_shows_an_object_where_it_is_now(world):
     x, y = looked_down_upon(0.0)
     there = np.hypot(x - 0.62, y + 0.02) < 0.015
     world.move_object("box", Pose([0.62, -0.02, 0.07]))
-    moved = world.look("overhead")
+    moved = world.cameras.look("overhead")
     world.move_object("box", before)
-    again = world.look("overhead")
+    again = world.cameras.look("overhead")
     assert {moved.names[label] for label in np.unique(moved.labels[there])} == {"box"}
     assert {again.names[label] for label in np.unique(again.labels[there])} == {"table"}
 
 
 def test_two_frames_of_the_same_scene_are_equal(world):
-    one, two = world.look("overhead"), world.look("overhead")
+    one, two = world.cameras.look("overhead"), world.cameras.look("overhead")
     assert np.array_equal(one.image, two.image)
     assert np.array_equal(one.depth, two.depth)

@@ -188,7 +188,7 @@ def test_cameras_see_nothing_repeat_themselves_and_darken_only_while_it_lasts(ta
     def at(time):
         while world.time < time:
             world.step()
-        return world.look("overhead"), world.look("front")
+        return world.cameras.look("overhead"), world.cameras.look("front")
 
     above, front = at(0.02)
     assert not front.image.any()
@@ -208,4 +208,4 @@ def test_a_late_camera_shows_what_was_with_the_time_of_then(table):
     world = table(slow=Fault(fault="late", lag=0.1, at=0.1))
     while world.time < 0.25:
         world.step()
-    assert world.time - world.look("overhead").time == pytest.approx(0.1, abs=0.005)
+    assert world.time - world.cameras.look("overhead").time == pytest.approx(0.1, abs=0.005)

@@ -124,7 +124,7 @@ def test_what_a_robot_hides_of_the_view_is_known_from_its_joints_and_its_descrip
     robot = load_robot(name)
     world = World(replace(load_world("table", 2), robot=name, cameras=(CameraSpec(shapes="collision"),)))
     world.step()
-    taken = world.look("overhead")
+    taken = world.cameras.look("overhead")
     links = {link.name for link in world.robot.links}
     shown = np.array([name in links for name in taken.names] + [False])[taken.labels]
     measured = world.robot.measure(world.robot.rows(tuple(robot.joints)))

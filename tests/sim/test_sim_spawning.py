@@ -29,12 +29,12 @@ def advanced(world: World, steps: int) -> World:
 
 def test_what_is_spawned_moves_and_looks_as_if_it_had_always_been_there():
     there, spawned = made(CAN), made()
-    spawned.look("above")  # the renderer exists already
+    spawned.cameras.look("above")  # the renderer exists already
     spawned.spawn(CAN)
     for world in (there, spawned):
         advanced(world, 60)
     assert np.array_equal(there.object_pose("can").matrix(), spawned.object_pose("can").matrix())
-    assert np.array_equal(there.look("above").depth, spawned.look("above").depth)
+    assert np.array_equal(there.cameras.look("above").depth, spawned.cameras.look("above").depth)
     assert there.kept().keys() == spawned.kept().keys()
 
 
@@ -43,7 +43,7 @@ def test_what_is_removed_is_neither_seen_nor_touched_nor_disturbed():
     world.inject("bump", Fault(fault="push", of="can", by=(1, 0, 0), at=0.1))
     world.remove("can")
     advanced(world, 60)
-    assert np.array_equal(world.look("above").depth, advanced(empty, 60).look("above").depth)
+    assert np.array_equal(world.cameras.look("above").depth, advanced(empty, 60).cameras.look("above").depth)
     assert not [contact for contact in world.contacts() if "can" in contact[:2]]
     with pytest.raises(UnknownNameError, match="can"):
         world.object_pose("can")
@@ -62,10 +62,10 @@ def test_a_camera_may_begin_to_be_late():
     world = advanced(made(CAN), 5)
     world.inject("lag", Fault(fault="late", lag=0.1))
     world.step()
-    first = world.look("above")
+    first = world.cameras.look("above")
     world.move_object("can", Pose([0.7, 0.1, 0.051]))
-    assert np.array_equal(advanced(world, 12).look("above").depth, first.depth)
-    assert not np.array_equal(advanced(world, 24).look("above").depth, first.depth)
+    assert np.array_equal(advanced(world, 12).cameras.look("above").depth, first.depth)
+    assert not np.array_equal(advanced(world, 24).cameras.look("above").depth, first.depth)
 
 
 def test_an_object_of_the_library_is_put_as_it_is_turned():
