@@ -104,7 +104,7 @@ class HandCommander:
         touch: Touch | None = None,
     ):
         self._touch = touch
-        self._reach, self._measure, self._spans = reach, spans, tuple[Span, ...]()
+        self._reach, self._measure, self._spans = reach, spans, dict[bytes, tuple[Span, ...]]()
         self.name, self._port, self.state, self._postures = name, port, port.state, dict(postures)
         self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
         self._limits = dict(limits or {})
@@ -140,21 +140,19 @@ class HandCommander:
         if torque_limit is not None and force is not None:
             raise ValueError(f"hand {self.name!r}: closes with at most a torque, or to a force, not with both")
         goal = self._posture(posture)
-        return self._move(goal, torque_limit, CLOSING_TIME, force).then(lambda measured: self._held(goal, measured))
+        return self.move(goal, torque_limit, CLOSING_TIME, force).then(lambda measured: self._held(goal, measured))
 
     def closing(self) -> Closing | None:
         return self._closing
 
     def move(
-        self, posture: JointState | str, torque_limit: float | None = None, seconds: float | None = None
+        self,
+        posture: JointState | str,
+        torque_limit: float | None = None,
+        seconds: float | None = None,
+        force: float | None = None,
     ) -> Operation[JointState]:
-        return self._move(posture, torque_limit, seconds, None)
-
-    def _move(
-        self, posture: JointState | str, torque_limit: float | None, seconds: float | None, force: float | None
-    ) -> Operation[JointState]:
-        given = (("torque limit [N m]", torque_limit), ("time [s]", seconds), ("force [N]", force))
-        for what, number in given:
+        for what, number in (("torque limit [N m]", torque_limit), ("time [s]", seconds), ("force [N]", force)):
             if number is not None and not 0 < number < np.inf:
                 raise ValueError(f"hand {self.name!r}: a {what} is a positive number, not {number}")
         goal = self._posture(posture)
@@ -181,15 +179,14 @@ class HandCommander:
             raise ValueError(f"hand {self.name!r}: its geometry isn't known, so its fingertips can't be placed")
         return self._reach(targets, self._port.state(), frame)
 
-    def spans(self) -> Sequence[Span]:
+    def spans(self, opened: str = "open", closed: str = "closed") -> Sequence[Span]:
         if self._measure is None:
             raise ValueError(f"hand {self.name!r}: its geometry isn't known, so no grasps can be proposed for it")
-        if not self._spans:
-            goal = self._postures["closed"]
-            start, names = self._postures["open"].ordered(goal.names), goal.names
-            ways = (start + share * (goal.position - start) for share in np.linspace(0, 1, STEPS))
-            self._spans = tuple(self._measure([JointState(names, way) for way in ways]))
-        return self._spans
+        start, goal = self._posture(opened), self._posture(closed)
+        way = np.linspace(start.position, goal.ordered(start.names), STEPS)
+        if (key := way.tobytes()) not in self._spans:
+            self._spans[key] = tuple(self._measure([JointState(start.names, each) for each in way]))
+        return self._spans[key]
 
     def synergy(self, weights: Sequence[float]) -> JointState:
         opened = self._postures["open"].as_mapping()  # what a posture doesn't name is as in `open`

@@ -7,13 +7,16 @@ from table_top import named, robot_model
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import NoIkError
 from grip_bt.base.values import JointState
-from grip_bt.commanders.kinematics.fingertips import TOLERANCE, _Tips, fingers_of, fingertip_posture
+from grip_bt.commanders.description.load import load_robot
+from grip_bt.commanders.description.tree import joints_of_fingers
+from grip_bt.commanders.kinematics.fingertips import TOLERANCE, _tips, fingertip_posture, spans_of
+from grip_bt.commanders.kinematics.model import RobotModel
 
 
 def fingertip_positions(model, hand, names=None, frame="grasp"):
     """Where fingertips, or other links of the hand, are in a frame of its palm [m]."""
-    tips = _Tips(model, tuple(fingers_of(model, "hand") if names is None else names), "hand", frame)
-    return dict(zip(tips.fingers, tips.places(model.configuration(hand)), strict=True))
+    names = tuple(model.description.finger_links if names is None else names)
+    return dict(zip(names, _tips(model, names, "hand", frame)(model.configuration(hand))[0], strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -101,3 +104,31 @@ def test_a_frame_that_is_not_fixed_to_the_palm_is_refused(model, frame):
 def test_a_link_that_the_fingers_do_not_move_is_refused(model):
     with pytest.raises(UnknownNameError, match="finger or link of the hand"):
         fingertip_posture(model, {"hand_palm_link": np.zeros(3)})
+
+
+@pytest.mark.parametrize("name", ["panda_allegro", "panda_allegro_left"])
+def test_a_hand_that_squeezes_presses_straight_and_its_fingers_as_hard_as_its_thumb(name):
+    """The work of the joints' torques, when one tip alone moves along the axis by a mm, tells its force."""
+    robot = load_robot(name)
+    model, states = RobotModel(robot), robot.named_states["hand"]
+    opened, closed = states["pinch_open"], states["pinch_closed"]
+    ways = np.linspace(opened.position, closed.ordered(opened.names), 7)[1:-1]
+    for span in spans_of(model, "hand", model.grasp_frame_of("arm"), [JointState(opened.names, way) for way in ways]):
+        drives = [robot.drives[joint] for joint in opened.names]
+        off = span.squeezing.position - span.posture.position
+        torque = off * [drive.stiffness for drive in drives]
+        assert np.abs(torque / [drive.limit for drive in drives]).max() == pytest.approx(1.0)
+        pressed = {}
+        for finger, joints in joints_of_fingers(robot, "hand").items():
+            mine = np.isin(opened.names, joints)
+            if np.abs(torque[mine]).max() > 1e-6:
+                tip = fingertip_positions(model, span.posture, [finger], model.grasp_frame_of("arm"))[finger]
+                sign = 1.0 if finger == "thumb" else -1.0
+                moved = tip + 1e-3 * sign * span.axis
+                there = fingertip_posture(model, {finger: moved}, span.posture, frame=model.grasp_frame_of("arm"))
+                pressed[finger] = torque @ (there.ordered(opened.names) - span.posture.position) / 1e-3
+        thumb = pressed.pop("thumb")
+        assert len(pressed) >= 2
+        assert thumb > 10
+        assert sum(pressed.values()) == pytest.approx(thumb, rel=0.35)
+        assert max(pressed.values()) < 0.75 * thumb

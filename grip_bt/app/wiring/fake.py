@@ -191,7 +191,7 @@ def _spans(postures: Sequence[JointState]) -> list[Span]:
     """Return what would be between the fingers of a parallel gripper of common size."""
     gaps, corners = np.linspace(0.1, 0.0, len(postures)), np.array([[0.03, 0.08, 0.01], [-0.03, -0.08, -0.12]])
     return [
-        Span(p, gap, np.zeros(3), np.array([0.0, 1.0, 0.0]), 0.05, corners)
+        Span(p, gap, np.zeros(3), np.array([0.0, 1.0, 0.0]), 0.05, corners, p)
         for p, gap in zip(postures, gaps, strict=True)
     ]
 

@@ -123,10 +123,11 @@ class Hand(Protocol):
             ValueError: a position isn't 3 finite numbers, or the hand's geometry isn't known.
         """
 
-    def spans(self) -> Sequence[Span]:
-        """Return what is between the fingers on their way from `open` to `closed`, in even steps.
+    def spans(self, opened: str = "open", closed: str = "closed") -> Sequence[Span]:
+        """Return what is between the fingers on their way between two named postures, in even steps.
 
         Raises:
+            UnknownNameError: there is no such posture.
             ValueError: the hand's geometry isn't known, or it has less than two fingers.
         """
 

@@ -102,6 +102,8 @@ class Span(ComparesArrays):
         axis: from the thumb's tip to the fingers', a unit vector in the grasp frame, shape (3,).
         depth: how far what is as wide as the gap reaches in between the fingers, beyond `middle` [m].
         corners: points whose hull holds the hand, in the grasp frame, shape (k, 3) [m].
+        squeezing: what the joints aim at to press along `axis` as hard as they can on what is as wide as the gap, the
+            thumb as hard as all others together.
     """
 
     posture: JointState
@@ -110,6 +112,7 @@ class Span(ComparesArrays):
     axis: Array
     depth: float
     corners: Array
+    squeezing: JointState
 
     def __post_init__(self) -> None:
         self._freeze((3,), "middle", "axis")

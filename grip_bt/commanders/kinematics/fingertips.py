@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
@@ -49,83 +48,67 @@ def fingertip_posture(
         UnknownNameError: there is no such finger, link or frame.
         NoIkError: a tip stays further than 1 mm from its target; `data['distances']` tells how far, by finger.
     """
-    tips, rng = _Tips(model, tuple(targets), group, frame), np.random.default_rng(0)
-    wanted = np.array([targets[name] for name in tips.fingers], dtype=float).reshape(len(tips.fingers), 3)
+    placed, rng = _tips(model, targets, group, frame), np.random.default_rng(0)
+    wanted = np.array(list(targets.values()), dtype=float).reshape(-1, 3)
     joints = model.description.group(group)
-    columns = np.array([model.model.joints[model.model.getJointId(name)].idx_q for name in joints])
+    columns = [model.model.joints[model.model.getJointId(name)].idx_q for name in joints]
     lower, upper = model.model.lowerPositionLimit[columns], model.model.upperPositionLimit[columns]
     first = model.configuration(seed or model.description.named_state(group, "open"))
-    best, shortest = first, np.inf
+    best, distances = first, np.full(len(wanted), np.inf)
     for start in (first[columns], *(rng.uniform(lower, upper) for _ in range(_RESTARTS))):
         q = first.copy()
         q[columns] = start
         for _ in range(_STEPS):
-            error = (wanted - tips.places(q)).ravel()
+            places, jacobian = placed(q)
+            error, jacobian = (wanted - places).ravel(), jacobian[:, columns]
             if np.abs(error).max() < _FINISHED:
                 break
-            jacobian = tips.jacobian(q, columns)
             step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + _DAMPING * np.eye(len(error)), error)
             # Joint by joint: a finger that is far from its target must not slow down the others.
             q[columns] = np.clip(q[columns] + np.clip(step, -_MAX_STEP, _MAX_STEP), lower, upper)
-        longest = float(np.linalg.norm(tips.places(q) - wanted, axis=1).max())
-        if longest < shortest:
-            best, shortest = q, longest
-        if shortest < TOLERANCE:
+        missed = np.linalg.norm(placed(q)[0] - wanted, axis=1)
+        if missed.max() < distances.max():
+            best, distances = q, missed
+        if distances.max() < TOLERANCE:
             return JointState(joints, best[columns])
-    distances = np.linalg.norm(tips.places(best) - wanted, axis=1)
-    far = {name: float(d) for name, d in zip(tips.fingers, distances, strict=True) if d >= TOLERANCE}
+    far = {name: float(d) for name, d in zip(targets, distances, strict=True) if d >= TOLERANCE}
     words = ", ".join(f"{name} stays {1000 * d:.0f} mm away" for name, d in far.items())
     raise NoIkError(f"the hand can't reach these fingertip positions: {words}", distances=far)
 
 
-def fingers_of(model: RobotModel, group: str) -> dict[str, str]:
-    """Return finger -> link of its tip, of the fingers that a hand's joints move."""
-    links = {finger: links[-1] for finger, links in model.description.finger_links.items()}
-    return {finger: tip for finger, tip in links.items() if _moved_by(model, tip, group)}
+def _tips(model: RobotModel, names: Collection[str], group: str, frame: str) -> Callable[[Array], tuple[Array, Array]]:
+    """Return what tells, for all joints, where the tips of fingers or other links are in a frame of the palm.
 
+    It returns their positions, shape (k, 3), and how these change with the joints, shape (3 k, n).
+    """
+    pins, data, robot = model.model, model.model.createData(), model.description
+    moving = [pins.getJointId(name) for name in robot.group(group)]
 
-def _moved_by(model: RobotModel, frame: str, group: str) -> bool:
-    """Tell whether a group's joints move a frame."""
-    joints = {model.model.getJointId(name) for name in model.description.group(group)}
-    return bool(joints & set(model.model.supports[model.model.frames[model.model.getFrameId(frame)].parentJoint]))
+    def moved(link: str) -> bool:
+        return not set(moving).isdisjoint(pins.supports[pins.frames[pins.getFrameId(link)].parentJoint])
 
+    links = [str(f.name) for f in pins.frames if f.type == pin.FrameType.BODY]
+    own = {link: link for link in links if moved(link)}
+    known = {finger: tip for finger, (*_, tip) in robot.finger_links.items() if tip in own} | own
+    for name in names:
+        if name not in known:
+            raise UnknownNameError("finger or link of the hand", name, known, robot.name)
+    grasps = [str(f.name) for f in pins.frames if str(f.name).split("/")[0] == GRASP_FRAME]
+    carrier = pins.parents[min(moving)]  # what carries the hand: the parent of its joint nearest to the base
+    still = [n for n in (*grasps, *links) if pins.frames[pins.getFrameId(n)].parentJoint == carrier]
+    if frame not in still:
+        raise UnknownNameError("frame of the palm", frame, still, robot.name)
+    tips, palm = [pins.getFrameId(known[name]) for name in names], pins.getFrameId(frame)
 
-class _Tips:
-    """The frames of some fingers' tips or other links, seen from a frame of the palm."""
+    def placed(q: Array) -> tuple[Array, Array]:
+        pin.computeJointJacobians(pins, data, q)
+        pin.updateFramePlacements(pins, data)
+        here = data.oMf[palm]
+        rows = [pin.getFrameJacobian(pins, data, tip, pin.LOCAL_WORLD_ALIGNED)[:3] for tip in tips]
+        places = np.array([here.actInv(data.oMf[tip].translation) for tip in tips]).reshape(-1, 3)
+        return places, np.vstack([here.rotation.T @ row for row in rows])
 
-    def __init__(self, model: RobotModel, names: tuple[str, ...], group: str, frame: str):
-        self.model, self.data = model.model, model.model.createData()
-        self.fingers = names
-        tips, robot = fingers_of(model, group), model.description.name
-        links = [str(f.name) for f in self.model.frames if f.type == pin.FrameType.BODY]
-        moved = {link for link in links if _moved_by(model, link, group)}
-        for name in names:
-            if name not in tips and name not in moved:
-                raise UnknownNameError("finger or link of the hand", name, (*tips, *sorted(moved)), robot)
-        grasps = [str(f.name) for f in self.model.frames if str(f.name).split("/")[0] == GRASP_FRAME]
-        joints = [self.model.getJointId(name) for name in model.description.group(group)]
-        palm = self.model.parents[min(joints)]  # what carries the hand: the parent of its joint nearest to the base
-        still = [n for n in (*grasps, *links) if self.model.frames[self.model.getFrameId(n)].parentJoint == palm]
-        if frame not in still:
-            raise UnknownNameError("frame of the palm", frame, still, robot)
-        self.frames = [self.model.getFrameId(tips.get(name, name)) for name in names]
-        self.palm = self.model.getFrameId(frame)
-
-    def places(self, q: Array) -> Array:
-        """Return the tips' positions in the grasp frame, shape (k, 3)."""
-        pin.framesForwardKinematics(self.model, self.data, q)
-        palm = self.data.oMf[self.palm]
-        return np.array([palm.actInv(self.data.oMf[tip].translation) for tip in self.frames]).reshape(-1, 3)
-
-    def jacobian(self, q: Array, columns: NDArray[np.int64]) -> Array:
-        """Return how the positions change with the joints in `columns`, which don't move the palm, shape (3 k, m)."""
-        pin.computeJointJacobians(self.model, self.data, q)
-        turn = self.data.oMf[self.palm].rotation.T
-        rows = []
-        for tip in self.frames:
-            frame = pin.getFrameJacobian(self.model, self.data, tip, pin.LOCAL_WORLD_ALIGNED)
-            rows.append(turn @ frame[:3, columns])
-        return np.vstack(rows)
+    return placed
 
 
 _OPPOSED = 0.02
@@ -134,6 +117,8 @@ _PROBE, _SLACK, _STEP, _DEEPEST = 0.012, (-0.001, 0.005), 0.004, 0.12
 """A bar is pushed in between the fingers: its thickness, how much thinner it is than the gap on each side, for links
 that are to stay clear of things and for tips, which may be round, its steps, and its way [m]."""
 _Placed = tuple[coal.CollisionGeometry, pin.SE3]
+_Pressed = tuple[str, Array, Array]
+"""A link, where it presses, and with which force, if the thumb's is 1; in the grasp frame."""
 
 
 def spans_of(model: RobotModel, group: str, frame: str, postures: Sequence[JointState]) -> list[Span]:
@@ -152,7 +137,9 @@ def spans_of(model: RobotModel, group: str, frame: str, postures: Sequence[Joint
     palm_joint = model.model.frames[model.model.getFrameId(frame)].parentJoint
     found = []
     for posture in postures:
-        pin.framesForwardKinematics(model.model, data, model.configuration(posture))
+        q = model.configuration(posture)
+        pin.computeJointJacobians(model.model, data, q)
+        pin.framesForwardKinematics(model.model, data, q)
         palm = data.oMf[model.model.getFrameId(frame)].inverse()
         placed: dict[str, list[_Placed]] = {}
         points = []
@@ -162,24 +149,58 @@ def spans_of(model: RobotModel, group: str, frame: str, postures: Sequence[Joint
                 body = palm * data.oMi[shape.parentJoint]
                 placed.setdefault(link, []).append((shape.geometry, body * shape.placement))
                 points.append(corners(shape) @ body.rotation.T + body.translation)
-        gap, middle, axis = _between(placed, fingers, thumb)
-        span = Span(posture, gap, middle, axis, 0.0, np.concatenate(points))
+        gap, middle, axis, pressed = _between(placed, fingers, thumb)
+        squeezing = _squeezing(model, data, palm, posture, pressed)
+        span = Span(posture, gap, middle, axis, 0.0, np.concatenate(points), squeezing)
         found.append(replace(span, depth=_depth(span, placed, {thumb, *fingers})))
     return found
 
 
-def _between(placed: Mapping[str, Sequence[_Placed]], fingers: Sequence[str], thumb: str) -> tuple[float, Array, Array]:
-    """Return the gap, its middle, and the direction from the thumb to the fingers that oppose it."""
+def _between(
+    placed: Mapping[str, Sequence[_Placed]], fingers: Sequence[str], thumb: str
+) -> tuple[float, Array, Array, list[_Pressed]]:
+    """Return the gap, its middle, the direction from the thumb to the fingers across their line, and how they squeeze.
+
+    What the fingers press together goes through the thumb's point as nearly as they can share it, or else they would
+    turn what they hold about it.
+    """
     nearest = []
     for finger in fingers:
         each = (_nearest(one, other) for one in placed[thumb] for other in placed[finger])
-        nearest.append(min(each, key=lambda found: found[0]))
+        nearest.append((*min(each, key=lambda found: found[0]), finger))
     gap = min(found[0] for found in nearest)
     opposed = [found for found in nearest if found[0] < gap + _OPPOSED]
     near = np.mean([found[1] for found in opposed], axis=0)
-    far = np.mean([found[2] for found in opposed], axis=0)
-    away = (far - near) * (1.0 if gap >= 0 else -1.0)
-    return gap, (near + far) / 2, away / max(float(np.linalg.norm(away)), 1e-9)
+    tips = np.array([found[2] for found in opposed])
+    away = (tips.mean(axis=0) - near) * (1.0 if gap >= 0 else -1.0)
+    if len(tips) > 1:
+        line = np.linalg.svd(tips - tips.mean(axis=0))[2][0]
+        away = away - line * (line @ away)
+    axis = away / max(float(np.linalg.norm(away)), 1e-9)
+    aside = (tips - near - np.outer((tips - near) @ axis, axis)) / _OPPOSED
+    shares = np.linalg.lstsq(np.column_stack([aside, np.ones(len(tips))]).T, np.eye(4)[3], rcond=None)[0].clip(0)
+    shares /= shares.sum()
+    against = [(found[3], found[2], -share * axis) for found, share in zip(opposed, shares, strict=True)]
+    return gap, (near + shares @ tips) / 2, axis, [(thumb, near, axis), *against]
+
+
+def _squeezing(
+    model: RobotModel, data: pin.Data, palm: pin.SE3, posture: JointState, pressed: Sequence[_Pressed]
+) -> JointState:
+    """Return what joints aim at to press from a posture: each is off by what its servo, a spring, turns into J^T f.
+
+    They press as hard as the joint can that comes to its limit first.
+    """
+    torque = np.zeros(model.model.nv)
+    for link, place, force in pressed:
+        joint = model.model.frames[model.model.getFrameId(link)].parentJoint
+        there, along = palm.actInv(place), palm.rotation.T @ force
+        torque += pin.getJointJacobian(model.model, data, joint, pin.WORLD).T @ [*along, *np.cross(there, along)]
+    drives = [model.description.drives[name] for name in posture.names]
+    asked = torque[[model.model.joints[model.model.getJointId(name)].idx_v for name in posture.names]]
+    strongest = np.abs(asked / [drive.limit for drive in drives]).max()
+    off = asked / [drive.stiffness for drive in drives] / max(float(strongest), 1e-9)
+    return JointState(posture.names, posture.position + off)
 
 
 def _nearest(one: _Placed, other: _Placed) -> tuple[float, Array, Array]:
