@@ -17,25 +17,31 @@ import numpy as np
 import grip_bt as grip
 from grip_bt.base.arrays import Array
 from grip_bt.base.failures import NoGraspError, NoIkError, OutOfLimitsError, PathInvalidError
-from grip_bt.base.ports import Arm
+from grip_bt.base.ports import Arm, Hand
 from grip_bt.base.values import Grasp, JointState, Plan, PointCloud, Pose, Trajectory
 from grip_bt.base.values.joints import Span
 from grip_bt.nodes.objects import SEEN
 
 ROOM = 0.005
 """Between each finger and a thing, while the hand comes [m]."""
-GAP = 0.004
+GAP = 0.003
 """Of the hand above the table, and of a thing from the palm [m]."""
 HOLD = 0.006
 """Least height of a thing that is between the tips [m]."""
 BESIDE_THUMB = 0.018
 """How far a wrapped thing lies from the grasp frame, along the fingers: the thumb's root rises above the palm [m]."""
-HIGHEST = 0.65
-"""Round tips meet a thing below this part of its height: what is round would be pressed down and away."""
-SQUEEZE = 0.04
-"""How much narrower than a thing the fingers of a hand aim to close around it [m]."""
+HIGHEST, HIGHEST_ROUND = 0.8, 0.65
+"""Round tips meet a thing below these parts of its height: what is round would be pressed down and away."""
 OWN = 1e3
 """No limit but the hand's own [N m]."""
+PINCH = ("pinch_open", "pinch_closed")
+"""Postures between which a hand's fingertips press straight against its thumb's, where it has such."""
+OFF = 0.15
+"""How far off a thing's middle it is wrapped at most, as a part of its height."""
+ROUND, AS_HIGH = 0.15, 0.25
+"""What is as high as it is wide, but for this, and at its sides lower than its top by this part, is round."""
+LOW = 0.3
+"""Fingertips go so deep around what is round, as a part of its height: they carry it then."""
 FILLED = 0.7
 """What is thinner than this part of the hollow between palm and closed fingers stands in there untouched."""
 TURNS = np.radians((0, 15, -15, 30, -30))
@@ -58,6 +64,24 @@ class Local(NamedTuple):
     middle: Array
     width: float
     top: float
+    round: bool = False
+
+
+class Spans(NamedTuple):
+    """What a hand's fingers do: press by their tips against the thumb's, and close around something.
+
+    A gripper's two press one against the other, and close around nothing.
+    """
+
+    tips: Sequence[Span]
+    around: Sequence[Span] = ()
+
+    @classmethod
+    def of(cls, hand: Hand) -> Spans:
+        """Ask a hand for them."""
+        if len(hand.fingers()) < 3:
+            return cls(hand.spans())
+        return cls(hand.spans(*PINCH) if PINCH[0] in hand.named_states() else hand.spans(), hand.spans())
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +115,16 @@ class Thing:
         _, first = np.unique(np.floor(highest[:, :2] / CELL), axis=0, return_index=True)
         return np.asarray(np.average(highest[first, :2], axis=0, weights=highest[first, 2] - self.floor))
 
+    def stands(self) -> bool:
+        """Tell whether it can be taken around: it doesn't roll, and isn't much narrower in its upper half."""
+        if not len(self.seen):
+            return True
+        axes, edges = self.pose.rotation()[:2, :2], self.size[:2]
+        upper = self.seen[self.seen[:, 2] > self.pose.position[2], :2] @ axes
+        rolls = self.local(self.heavy(), self.pose.rotation()[:, int(edges.argmin())]).round
+        full = len(upper) > 0 and (np.ptp(upper, axis=0) > FILLED * edges).all()
+        return bool(full) and not (rolls and edges.max() > (1 + AS_HIGH) * edges.min())
+
     def local(self, spot: Array, across: Array) -> Local:
         """Return what fingers would meet that close along a horizontal unit vector at a spot, x and y [m]."""
         along = np.cross(UP, across)[:2]
@@ -103,8 +137,10 @@ class Thing:
         sides = [float(np.ptp(half)) for half in (ways[beyond], ways[~beyond]) if len(half)]
         if max(sides) - min(sides) > FINGER:  # fingers would slide off to where it is narrower
             return Local(spot, np.inf, top)
-        middle = spot + (ways.max() + ways.min()) / 2 * across[:2]
-        return Local(middle, float(np.ptp(ways)) + CELL / 2, top)
+        middle, width = spot + (ways.max() + ways.min()) / 2 * across[:2], float(np.ptp(ways)) + CELL / 2
+        outer = there[np.abs(ways - (ways.max() + ways.min()) / 2) > 0.4 * width, 2]
+        sloped = len(outer) > 0 and top - (float(outer.mean()) - self.floor) > ROUND * top
+        return Local(middle, width, top, bool(sloped) and abs(top - width) < AS_HIGH * top)
 
 
 def _seen_in(cloud: PointCloud | None, size: Array, pose: Pose) -> Array:
@@ -132,11 +168,11 @@ def propose(
     scene, asked = context.scene(), context.hand(hand)
     boxes = [scene.box(name) for name in scene.names() if name.startswith(SEEN)]
     things = [Thing(*box, _seen_in(cloud, *box)) for box in boxes]
-    spans, limits = asked.spans(), {"approach": approach, "lift": lift, "torque_limit": torque_limit}
-    found = [grasp for thing in things for grasp in proposals(thing, spans, len(asked.fingers()) > 2, limits)]
+    spans, limits = Spans.of(asked), {"approach": approach, "lift": lift, "torque_limit": torque_limit}
+    found = [grasp for thing in things for grasp in proposals(thing, spans, limits)]
     if not found:
         sizes = "; ".join(" x ".join(f"{1000 * edge:.0f}" for edge in thing.size) for thing in things)
-        widest = 1000 * (spans[0].gap - 2 * ROOM)
+        widest = 1000 * (spans.tips[0].gap - 2 * ROOM)
         raise NoGraspError(
             f"the hand {asked.name!r}, which takes what is up to {widest:.0f} mm wide, fits around nothing that was "
             f"seen: {sizes or 'there is nothing'} [mm]"
@@ -144,18 +180,10 @@ def propose(
     return sorted(found, key=lambda grasp: -grasp.quality)
 
 
-def proposals(thing: Thing, spans: Sequence[Span], wraps: bool, limits: Mapping[str, float]) -> list[Grasp]:
-    """Return the grasps of one thing.
-
-    Args:
-        spans: from `open` to `closed`.
-        wraps: whether the hand may close around it.
-        limits: `approach`, `lift` [m] and `torque_limit` [N m], as the leaf has them.
-    """
-    meeting = next((k for k, span in enumerate(spans) if span.gap < 1e-3), len(spans))
-    ways = list(_pinches(thing, spans[:meeting], wraps))
-    if wraps:
-        ways += _wraps(thing, spans[:meeting])
+def proposals(thing: Thing, spans: Spans, limits: Mapping[str, float]) -> list[Grasp]:
+    """Return the grasps of one thing, within the leaf's `approach`, `lift` [m] and `torque_limit` [N m]."""
+    tips, around = (_apart(each) for each in spans)
+    ways = [*_pinches(thing, tips, bool(around)), *(_wraps(thing, around) if around and thing.stands() else ())]
     return [
         Grasp(
             pose,
@@ -174,6 +202,11 @@ def proposals(thing: Thing, spans: Sequence[Span], wraps: bool, limits: Mapping[
 
 Way = tuple[Pose, Array, Span, JointState | None, float, float]
 """Pose, direction of the approach, fingers during it, and closed, width, quality."""
+
+
+def _apart(spans: Sequence[Span]) -> Sequence[Span]:
+    """Return the spans until the tips meet, or are as near as they come."""
+    return spans[: next((k for k, span in enumerate(spans) if span.gap < 1e-3), None)]
 
 
 def _pinches(thing: Thing, spans: Sequence[Span], thumb: bool) -> Iterator[Way]:
@@ -203,8 +236,7 @@ def _closing(
     opened = [span for span in spans if span.gap >= local.width + 2 * ROOM]
     if not opened:
         return
-    held, squeezed = (_near(spans, gap) for gap in (local.width, local.width - SQUEEZE))
-    closed = squeezed.posture if thumb else None  # closed all the way, three fingers push a thumb aside
+    held = _near(spans, local.width)
     middle, top = np.array([*local.middle, thing.pose.position[2]]), float(thing.size[2])
     for inward in approaches:
         away = 1 - float(inward[:2] @ middle[:2]) / float(np.linalg.norm(middle[:2]))
@@ -213,12 +245,15 @@ def _closing(
             continue  # the hand would come towards the robot
         rotation = _turned(held, across, inward)
         reach = [float(-((span.corners - held.middle) @ rotation.T)[:, 2].min()) for span in (opened[-1], held)]
-        deep = max(0.0, thing.width(inward) / 2 - held.depth + GAP)
-        height = max(local.top / 2, float(middle[2] - deep * inward[2]) - thing.floor, max(reach) + GAP)
-        if height - max(reach) * above > local.top - HOLD or height > local.top * (HIGHEST if thumb else 1.0):
+        deep = max(-top if thumb else 0.0, thing.width(inward) / 2 - held.depth + GAP)
+        highest = (HIGHEST_ROUND if local.round else HIGHEST) if thumb else 1.0
+        low = LOW if thumb and local.round else 0.5
+        height = max(low * local.top, float(middle[2] - deep * inward[2]) - thing.floor, max(reach) + GAP)
+        if height - max(reach) * above > local.top - HOLD or height > highest * local.top:
             continue
         foot = middle - deep * inward
         foot[2] = thing.floor + height
+        closed = held.squeezing if thumb else None  # closed all the way, three fingers push a thumb aside
         quality = 1.5 - abs(height - top / 2) / top - (0.0 if above else ASIDE * (1 + away)) - 4 * local.width
         yield _pose(rotation, foot - rotation @ held.middle), inward, opened[-1], closed, local.width, quality
 
@@ -254,11 +289,27 @@ def _wraps(thing: Thing, spans: Sequence[Span]) -> Iterator[Way]:
                 rotation = np.stack([np.cross(y, z), y, z], axis=1)
                 height = max(top / 2 - flip * thumb, GAP - float((flip * opened.corners[:, 1]).min()))
                 off = abs(height + flip * thumb - top / 2)
-                if off > 0.3 * top:  # there the thumb and the fingers against it would close beyond the thing's top
+                if off > OFF * top:  # there the thumb and the fingers against it would close beyond the thing's top
                     continue
                 palm = np.array([*centre[:2], thing.floor + height]) - (deep / 2 + GAP) * z
                 pose = _pose(rotation, palm - BESIDE_THUMB * rotation[:, 0])
                 yield pose, z, opened, None, width, 1.0 + float(z[:2] @ outward) - 10 * off - 2 * abs(turn)
+
+
+@grip.leaf("hands/squeeze", codes=("no_contact",))
+async def squeeze(context: grip.Context, grasp: Grasp, *, hand: str = "") -> None:
+    """Press what a hand has closed on, wherever it is touched, so that the forces of thumb and fingers balance.
+
+    Until here each finger pressed as far as it was off from where it would have met the thing.
+    """
+    asked = context.hand(hand)
+    if grasp.posture is None:
+        return
+    aimed = grasp.posture
+    met = min(Spans.of(asked).tips, key=lambda span: float(np.abs(span.squeezing.position - aimed.position).sum()))
+    for _ in range(2):
+        here = asked.state().ordered(aimed.names)
+        await asked.close(JointState(aimed.names, here + aimed.position - met.posture.position))
 
 
 SAMPLES = 100

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 from grip_bt.base.values import Grasp, JointState, Pose, Trajectory
 from grip_bt.commanders.description.load import load_robot
+from grip_bt.commanders.description.tree import joints_of_fingers
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.kinematics.fingertips import spans_of
 from grip_bt.commanders.kinematics.model import RobotModel
@@ -56,6 +57,7 @@ def hand_of(robot):
         "hand",
         Fingers(description.group("hand")),
         states,
+        joints_of_fingers(description, "hand"),
         spans=lambda postures: spans_of(model, "hand", model.grasp_frame_of("arm"), postures),
     )
 
@@ -65,7 +67,7 @@ def thing(width, depth, height, yaw=0.0):
 
 
 def proposed(robot, what):
-    return nodes.proposals(what, hand_of(robot).spans(), "allegro" in robot or "shadow" in robot, LIMITS)
+    return nodes.proposals(what, nodes.Spans.of(hand_of(robot)), LIMITS)
 
 
 def lowest(span, pose):
@@ -78,7 +80,7 @@ def lowest(span, pose):
 )
 @settings(max_examples=15, deadline=None)
 def test_every_hand_comes_open_wide_enough_and_above_the_table(robot, edges, height, yaw):
-    spans = {span.posture.position.tobytes(): span for span in hand_of(robot).spans()}
+    spans = {span.posture.position.tobytes(): span for each in nodes.Spans.of(hand_of(robot)) for span in each}
     for grasp in proposed(robot, thing(*edges, height, yaw)):
         opened = spans[grasp.pre_posture.position.tobytes()]
         assert opened.gap >= grasp.width
@@ -92,7 +94,7 @@ def test_the_tips_close_on_a_things_middle(robot):
     what = thing(0.04, 0.04, 0.08)
     down = [grasp for grasp in proposed(robot, what) if grasp.pre_grasp.position[2] > grasp.pose.position[2] + 0.1]
     found = max(down, key=lambda grasp: grasp.quality)
-    held = min(hand_of(robot).spans(), key=lambda span: abs(span.gap - 0.04))
+    held = min(nodes.Spans.of(hand_of(robot)).tips, key=lambda span: abs(span.gap - 0.04))
     met = found.pose.apply([held.middle])[0]
     assert met[:2] == pytest.approx([0.5, 0.1], abs=1e-6)
     assert 0.02 < met[2] < 0.08

@@ -21,16 +21,21 @@ world: one
 """
 WORLD = """grip: 1
 fixtures: {table: {box: [0.70, 1.20, 0.10], at: [0.65, 0.0, -0.10]}}
-objects: {thing: {model: cube, at: [0.52, 0.05, 0.0], yaw: 0.4}}
+objects: {thing: %s}
 cameras:
   overhead: {at: [0.53, 0, 1.3], quaternion: [0, 0.7071067811865476, -0.7071067811865476, 0], field_of_view: 0.44}
 shake: {amplitude: 0.02, frequency: 0.6}
 judge: {shaken: held_through_shake == 1}
 """
+CUBE = "{model: cube, at: [0.52, 0.05, 0.0], yaw: 0.4}"
+CAN = "{model: can, at: [0.48, 0.02, 0.0335], yaw: 0.7, tilt: [0, 1.5708]}"
+"""It lies, and weighs 360 g: it rolled out between a thumb and the one finger against it."""
 
 
-@pytest.mark.parametrize("robot", ["panda", "panda_allegro"])
-def test_a_gripper_and_a_hand_take_a_cube_by_one_task_and_hold_it_through_a_shake(tmp_path, robot):
+@pytest.mark.parametrize(
+    ("robot", "thing"), [("panda", CUBE), ("panda_allegro", CUBE), ("panda_allegro", CAN), ("panda_allegro_left", CAN)]
+)
+def test_a_gripper_and_hands_take_things_by_one_task_and_hold_them_through_a_shake(tmp_path, robot, thing):
     for part in ("nodes", "tasks", "worlds"):
         (tmp_path / part).mkdir()
     shutil.copy(EXAMPLES / "nodes" / "hands.py", tmp_path / "nodes")
@@ -38,7 +43,7 @@ def test_a_gripper_and_a_hand_take_a_cube_by_one_task_and_hold_it_through_a_shak
     task = tmp_path / "tasks" / "lift_and_shake.yaml"
     task.write_text(text.replace("{node: hands/shake}", "{node: hands/shake, with: {frequency: 0.6, seconds: 2.5}}"))
     (tmp_path / "grip.yaml").write_text(PROJECT.format(robot=robot))
-    (tmp_path / "worlds" / "one.yaml").write_text(WORLD)
+    (tmp_path / "worlds" / "one.yaml").write_text(WORLD % thing)
     with open_session(task, RunOptions(seed=0)) as session:
         verdict = Verdict(session)
         result = session.runner.run()
