@@ -202,6 +202,12 @@ class World:
         body.set_linear_velocity(np.add(body.linear_velocity, by))
         body.wake_up()
 
+    def link_pose(self, name: str) -> Pose:
+        """Return the pose of a robot's link in world."""
+        if name not in self._links:
+            raise UnknownNameError("link", name, self._links)
+        return _pose(self._links[name].entity_pose)
+
     def contacts(self) -> Iterator[Contact]:
         """Yield the contacts of the last step that carry a force; those of objects moved since then are void."""
         for contact in self._scene.get_contacts():

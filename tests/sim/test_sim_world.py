@@ -200,6 +200,8 @@ def test_unknown_names_list_those_that_exist(settled):
         settled.cameras.look("overhaed")
     with pytest.raises(UnknownNameError, match=settled.spec.objects[0].name):
         settled.object_pose("nothing")
+    with pytest.raises(UnknownNameError, match="hand_palm_link"):
+        settled.link_pose("palm")
 
 
 @pytest.mark.parametrize("names", [("thing", "thing"), ("table",), ("hand_palm_link",)])
