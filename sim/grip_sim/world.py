@@ -240,7 +240,8 @@ class World:
 
     def link_wrenches(self, hand: str) -> Mapping[str, Array]:
         """Return link -> what it bears from what isn't the robot: force [N], torque [N m], in its frame, shape (6,)."""
-        borne = {link.name: np.zeros(6) for link in self._fingers[hand] if link.collision_shapes}
+        links = (link for link in self.robot.links if link in self._fingers[hand] and link.collision_shapes)
+        borne = {link.name: np.zeros(6) for link in links}
         for name, _, at, push in self.contact_points(hand):
             here, force = self.link_pose(name), -np.array(push)
             turned = np.stack([force, np.cross(at - here.position, force)]) @ here.rotation()
