@@ -1,59 +1,29 @@
-// A task is built, checked, run and stopped by keys alone, and what a screen reader has to say at each of them is printed: roles,
-// names and states as Chromium's accessibility tree has them, and what the live regions tell. docs/study.md holds the same.
+// A task is built, connected, checked, saved, run and stopped by keys alone, and a screen reader has to say what is right at each of them.
 import assert from "node:assert/strict";
 
+import { ear } from "./ear.mjs";
 import { eventually, onPage, url } from "./page.mjs";
 
-/** What is said of a property, where it is so. */
-const STATES = { expanded: (value) => (value ? "expanded" : "collapsed"), selected: (value) => value && "selected", pressed: (value) => value === "true" && "pressed", invalid: (value) => value === "true" && "invalid", level: (value) => `level ${value}` };
-
 await onPage(url, async (page) => {
-  const devtools = await page.context().newCDPSession(page);
-  await devtools.send("Accessibility.enable");
-  const heard = [];
-
-  /** Role, name, value and states of an element. */
-  async function said(expression) {
-    const { result } = await devtools.send("Runtime.evaluate", { expression });
-    if (!result.objectId) return "";
-    const { nodes } = await devtools.send("Accessibility.getPartialAXTree", { objectId: result.objectId, fetchRelatives: false }).catch(() => ({ nodes: [] }));
-    const [node] = nodes;
-    if (!node || node.ignored) return "";
-    const role = { combobox: "combo box", treeitem: "tree item", textbox: "text field", spinbutton: "number field" }[node.role.value] ?? node.role.value;
-    const states = (node.properties ?? []).map(({ name, value }) => STATES[name]?.(value.value)).filter(Boolean);
-    // When a problem is found depends on how busy the machine is.
-    return [node.name?.value.replace(/\b(error|warning), /, ""), role, node.value?.value && `"${node.value.value}"`, ...states].filter(Boolean).join(", ");
-  }
-  const spoken = async () => {
-    const own = await said("document.activeElement");
-    const option = await page.evaluate(() => document.getElementById(document.activeElement?.getAttribute("aria-activedescendant") ?? "")?.querySelector(".option-label")?.textContent);
-    return option ? `${own}; ${option}, option` : own;
-  };
+  const { spoken } = await ear(page);
   const press = async (keys, wanted) => {
     await page.keyboard.press(keys);
-    const now = await eventually(spoken, (now) => wanted.test(now), `${keys} should lead to ${wanted}`);
-    heard.push(`${keys}: ${now.split("; ")[0]}`); // which option a list begins with says nothing here
-  };
-  const key = async (keys) => {
-    await page.keyboard.press(keys);
-    heard.push(keys);
+    await eventually(spoken, (now) => wanted.test(now), `${keys} should lead to ${wanted}`);
   };
   const type = async (text, wanted) => {
     await page.keyboard.type(text);
-    heard.push(`types ${text}: ${await eventually(spoken, (now) => wanted.test(now), `typing ${text} should lead to ${wanted}`)}`);
+    await eventually(spoken, (now) => wanted.test(now), `typing ${text} should lead to ${wanted}`);
   };
   /** What a live region tells; `name` is its accessible name. */
   const hear = async (name, wanted) => {
     const region = page.getByRole("status", { name, exact: true });
-    const text = await eventually(async () => ((await region.count()) === 1 ? ((await region.textContent()) ?? "").trim() : ""), (now) => wanted.test(now), `${name} should tell ${wanted}`);
-    heard.push(`  (${name}: ${text})`);
+    await eventually(async () => ((await region.count()) === 1 ? ((await region.textContent()) ?? "").trim() : ""), (now) => wanted.test(now), `${name} should tell ${wanted}`);
   };
   /** Go on by a key until the focus is on what is wanted. */
   const reach = async (keys, wanted) => {
     for (let times = 0; times < 60; times++) {
       await page.keyboard.press(keys);
-      const now = await spoken();
-      if (wanted.test(now)) return void heard.push(`${keys} ...: ${now}`);
+      if (wanted.test(await spoken())) return;
     }
     assert.fail(`${keys} never leads to ${wanted}`);
   };
@@ -71,7 +41,7 @@ await onPage(url, async (page) => {
   await reach("F6", /^Documentation, text field/);
   await reach("Tab", /^message/);
   await type("hello", /"hello"/);
-  await key("Enter");
+  await page.keyboard.press("Enter");
   await hear("Problems", /^No problems\.$/);
   await reach("Shift+F6", /tree item/);
   await press("Home", /^by_ear .*tree item/);
@@ -85,7 +55,7 @@ await onPage(url, async (page) => {
   await reach("F6", /^Documentation, text field/);
   await reach("Tab", /^seconds/);
   await type("600", /"600"/);
-  await key("Enter");
+  await page.keyboard.press("Enter");
   await reach("Shift+F6", /tree item/);
 
   // Edges between them.
@@ -115,12 +85,10 @@ await onPage(url, async (page) => {
   await reach("Tab", /^Robot, combo box/);
   await press("f", /"fake"/);
   await reach("F6", /tree item/);
-  await key("Alt+r");
+  await page.keyboard.press("Alt+r");
   await hear("State of the run", /^running/);
   await hear("What works now", /^wait /);
   await page.keyboard.press("F8");
   await hear("State of the run", /^stopped/);
   await eventually(spoken, (now) => /^wait .*interrupted/.test(now));
-  heard.push(`F8: ${await spoken()}`);
-  console.log(heard.join("\n"));
 });

@@ -1,11 +1,12 @@
 // The user study's tasks from an empty project, as a person goes through them: what they do is counted, and how long the page takes for it.
 // study.mjs URL FOLDER TASKS; beside the folder lies `lab`, which tests/gui/study_world.py wrote; STUDY_OUT is where pictures and transcripts go.
-// With `keys` after them, all is done by keys alone, and the keys are counted.
+// With `keys` after them, all is done by keys alone, the keys are counted, and what a screen reader has to say at them is told.
 import assert from "node:assert/strict";
 import { appendFileSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { check } from "./axe.mjs";
+import { ear } from "./ear.mjs";
 import { eventually, onPage, rest, url } from "./page.mjs";
 
 const [folder, wanted, keys] = rest;
@@ -20,15 +21,17 @@ const BUDGETS = { 1: 12, 2: 6, 3: 35, 4: 40 };
 const file = (path) => readFileSync(join(folder, path), "utf8");
 
 /** A person at the page: does things, one action each, and says what they see. `hands` is how: by mouse and keys, or by keys alone. */
-function person(page, task) {
+async function person(page, task) {
   const steps = [];
   const begun = performance.now();
-  const hands = keys ? keyboard(page) : mouse(page);
+  const heard = keys ? await ear(page) : null;
+  const hands = heard ? keyboard(page, heard) : mouse(page);
   let waited = 0;
   async function act(words, work, until) {
     const start = performance.now();
     await work();
     if (until) await until();
+    await hands.listen?.(steps.length + 1, words);
     const took = performance.now() - start;
     waited += took;
     steps.push({ words, seconds: took / 1000 });
@@ -85,9 +88,20 @@ function mouse(page) {
   };
 }
 
-/** Nothing but keys: the focus goes through the page by Tab and by F6, as a person without a mouse has to. */
-function keyboard(page) {
+/** Nothing but keys: the focus goes through the page by Tab and by F6, as a person without a mouse has to; who listens hears where it is. */
+function keyboard(page, heard) {
   const counts = { keys: 0, tabs: 0, letters: 0 };
+  const lines = [];
+  /** What is said once it is still: at a key, or when something is done. */
+  const note = async (keys) => {
+    let now = await heard.spoken();
+    for (let before = ""; before !== now; ) {
+      before = now;
+      await page.waitForTimeout(150);
+      now = await heard.spoken();
+    }
+    lines.push(`${keys}: ${now}`);
+  };
   const press = async (key) => {
     counts.keys++;
     if (/Tab$/.test(key)) counts.tabs++;
@@ -108,35 +122,51 @@ function keyboard(page) {
   /** Go to something by Tab, back by Shift+Tab. */
   async function reach(what) {
     await what.waitFor();
+    let last = "";
     for (let times = 0; times < 400; times++) {
       const where = await seen(what);
-      if (where === "there") return;
-      await press(where === "before" ? "Shift+Tab" : "Tab");
+      if (where === "there") return void (last && (await note(`${last} ...`)));
+      await press((last = where === "before" ? "Shift+Tab" : "Tab"));
     }
     assert.fail(`no number of Tabs leads to ${what}; the focus is on ${await page.evaluate(() => document.activeElement?.outerHTML.slice(0, 200))}`);
   }
   return {
-    press: async (what) => (await reach(what), await press("Enter")),
-    fill: async (what, text) => (await reach(what), await press("Control+a"), await type(text), await press("Enter")),
+    press: async (what) => (await reach(what), await press("Enter"), lines.push("Enter")),
+    fill: async (what, text) => {
+      await reach(what);
+      await press("Control+a");
+      await type(text);
+      await note(`Ctrl+A, types ${text}`);
+      await press("Enter");
+      lines.push("Enter");
+    },
     slide: async (what, value) => {
       await reach(what);
       for (let times = 0; times < 400; times++) {
         const now = Number(await what.inputValue());
         const step = Number(await what.getAttribute("step"));
-        if (Math.abs(now - value) <= step / 2 + 1e-9) return;
+        if (Math.abs(now - value) <= step / 2 + 1e-9) return void (await note("arrow keys"));
         await press(Math.abs(now - value) < 12 * step ? (now < value ? "ArrowRight" : "ArrowLeft") : now < value ? "PageUp" : "PageDown");
       }
     },
     /** A list of choices opens by a key; letters find in it, Enter takes. */
-    choose: async (what, value) => (await reach(what), await press("Alt+ArrowDown"), await type(value), await press("Enter")),
+    choose: async (what, value) => {
+      await reach(what);
+      await press("Alt+ArrowDown");
+      await type(value);
+      await press("Enter");
+      lines.push(`Alt+ArrowDown, types ${value}, Enter`);
+    },
     select: async (name) => {
       const row = page.getByRole("treeitem", { name: new RegExp(`^${name} `) });
       const inTree = () => page.evaluate(() => document.activeElement?.getAttribute("role") === "treeitem");
       for (let times = 0; times < 12 && !(await inTree()); times++) await press("F6");
+      await note("F6 ...");
       for (let times = 0; times < 100 && (await seen(row)) !== "there"; times++) await press((await seen(row)) === "before" ? "ArrowUp" : "ArrowDown");
       assert.equal(await seen(row), "there", `arrow keys lead to ${name}`);
+      await note("arrow keys");
     },
-    key: press,
+    key: async (key) => (await press(key), lines.push(key.replace("Control", "Ctrl"))),
     move: async (what, _, __, arrow, there) => {
       await reach(what);
       for (let times = 0; times < 100 && (await there.count()) === 0; times++) {
@@ -144,6 +174,16 @@ function keyboard(page) {
         await press(arrow);
         await eventually(() => page.evaluate(() => document.activeElement?.getAttribute("aria-label")), (now) => now !== before, `${arrow} moves it`);
       }
+      await note(`${arrow} ...`);
+    },
+    /** When something is done: where the focus is then, and what live regions have told; of each, what was told last where it told much. */
+    listen: async (number, words) => {
+      await note("then");
+      const told = (await heard.told()).map(([name, text]) => `  (${[name, text.replace(/process \d+/, "process ...")].filter(Boolean).join(": ")})`);
+      const typed = Math.max(0, ...lines.map((line) => /types (.*?):/.exec(line)?.[1].length ?? 0));
+      assert.ok(told.length <= 20 + typed, `${words}: who listens is told too much:\n${told.join("\n")}`);
+      const last = told.filter((line, i) => !/^  \(\d+ entr/.test(line) || !/^  \(\d+ entr/.test(told[i + 1] ?? ""));
+      console.log([`${number}. ${words}`, ...lines.splice(0).map((line) => `  ${line}`), ...last].join("\n"));
     },
     pressed: () => counts.keys,
     counted: () => counts,
@@ -231,7 +271,7 @@ const near = (text) => (found) => numbers(text).every((each, at) => Math.abs(eac
 const walks = {
   /** Integrate a UR5 with MoveIt, and move it between two recorded joint states. */
   async 1(page, words) {
-    const me = person(page, 1);
+    const me = await person(page, 1);
     await takeRobot(page, me, words, ["lab", "src"], "Choose the folder ur5_moveit_config");
     await me.slide("turn the shoulder", page.getByRole("slider", { name: "shoulder_pan_joint" }), -0.6);
     const name = page.getByLabel("Name for where manipulator is now");
@@ -248,7 +288,7 @@ const walks = {
   },
   /** The arm with the hand by their launch file; a can is picked and placed through kept positions. */
   async 3(page, words) {
-    const me = person(page, 3);
+    const me = await person(page, 3);
     const { button, nodeIs } = words;
     await takeRobot(page, me, words, ["lab", "src", "lab_bringup", "launch"], "ur10_shadow.launch.xml");
     // The laboratory's notes say where the hand takes the can: here they are what the first task says.
@@ -273,7 +313,7 @@ const walks = {
     const add = async (after, node) => {
       await me.select(after);
       await me.key("press /", "/", () => page.getByRole("dialog").locator("input").waitFor());
-      await me.fill(`type ${node}`, page.getByRole("dialog").locator("input"), node, () => page.getByRole("dialog").waitFor({ state: "detached" }));
+      await me.fill(`type ${node}`, page.getByRole("dialog").locator("input"), node, () => page.getByLabel("What was done").getByText(`${node.split("/")[1]} was added to`).waitFor());
     };
     await add("arm_at_can", "hand/close");
     await add("arm_in_tray", "hand/open");
@@ -299,7 +339,7 @@ const walks = {
   },
   /** A Kinect 2 by its topics, a grasp algorithm by its repository; a block that somebody has moved is found, taken and placed. */
   async 4(page, words) {
-    const me = person(page, 4);
+    const me = await person(page, 4);
     const { button, nodeIs } = words;
     const pressNamed = (name, until) => me.press(`press ${name}`, page.getByRole("button", { name: new RegExp(`^${name}`) }).first(), until);
     await me.press("press Take a robot", door(page, "Take a robot"), () => page.getByLabel("Search the robots").waitFor());
@@ -358,7 +398,7 @@ const walks = {
   },
   /** Other kinematics, another planner, and the motion again. */
   async 2(page, words) {
-    const me = person(page, 2);
+    const me = await person(page, 2);
     const form = page.getByRole("group", { name: "Form" });
     const field = (label) => form.getByRole("group", { name: "arms manipulator" }).getByLabel(label, { exact: true });
     await me.press("press Project", words.button("Project"), () => field("planner").waitFor());

@@ -201,6 +201,37 @@ def write_world(lab: Path) -> None:
     (lab / "kinect2.py").write_text(KINECT)
 
 
+GREET = """\
+---
+bool success
+string words
+"""
+GREETER = """\
+import rclpy
+from greeter.srv import Greet
+from rclpy.node import Node
+
+
+class Greeter(Node):
+    def __init__(self):
+        super().__init__("greeter")
+        self.create_service(Greet, "/greeter/greet", self.answer)
+
+    def answer(self, request, response):
+        response.success, response.words = True, "hello"
+        return response
+
+
+rclpy.init()
+rclpy.spin(Greeter())
+"""
+
+
+def write_greeter(lab: Path) -> None:
+    """Write a repository whose service needs nothing and always succeeds."""
+    _package(lab / "greeter", "Greets.", {"srv/Greet.srv": GREET, "scripts/greet_server.py": GREETER})
+
+
 def srdf_of(robot: RobotDescription, renamed: dict[str, str], tip: str = "") -> str:
     """Return a robot's groups, states and ends as MoveIt's assistant writes them."""
     root = Element("robot", name=robot.name)

@@ -21,9 +21,11 @@ export interface BeginStore {
   readonly made: BeginView | null;
   /** Whether a robot is being chosen for a project that has begun. */
   readonly choosing: boolean;
+  /** The node that was to be added when it showed what is missing, and how that goes on. */
+  readonly wanted: { readonly node: string; readonly add: (node: string) => Promise<void> } | null;
 }
 
-export const useBegin = create<BeginStore>()(() => ({ busy: "", error: "", made: null, choosing: false }));
+export const useBegin = create<BeginStore>()(() => ({ busy: "", error: "", made: null, choosing: false, wanted: null }));
 
 async function working<T>(busy: string, work: () => Promise<T>): Promise<T | null> {
   useBegin.setState({ busy, error: "" });
@@ -81,9 +83,13 @@ export async function openFirst(path: string): Promise<void> {
   }
 }
 
-/** Before a node is added: offer to make what it needs. Returns whether it shall be added. */
-export async function provided(node: string): Promise<boolean> {
+/**
+ * Before a node is added: offer to make what it needs. Returns whether it shall be added.
+ * @param add adds it, once what it needs was made elsewhere.
+ */
+export async function provided(node: string, add: (node: string) => Promise<void>): Promise<boolean> {
   if (node === NEW_COMPONENT) {
+    useBegin.setState({ wanted: { node, add } });
     usePage.getState().setRoom("project");
     useSetup.setState({ making: "component" });
     return false;
@@ -100,7 +106,10 @@ export async function provided(node: string): Promise<boolean> {
     { value: "anyway", label: "Add the node all the same" },
   ];
   const answer = await askChoice({ title: `The project has no ${lacking.word} yet`, label: `${node} needs one`, options });
-  if (answer === "choose") chooseRobot();
+  if (answer === "choose") {
+    chooseRobot();
+    useBegin.setState({ wanted: { node, add } });
+  }
   return answer === "anyway" || (answer === "add" && (await added(lacking.what)));
 }
 
@@ -154,12 +163,21 @@ function tipOf(view: GeometryView | null): string {
   return usual ?? view?.joints.find((joint) => joint.name === last)?.child ?? "tool0";
 }
 
+/** Back to the task, to the node for which something was made. */
+export async function goOn(node: string): Promise<void> {
+  const { wanted } = useBegin.getState();
+  leaveBeginning();
+  usePage.getState().setRoom("task");
+  await wanted?.add(node);
+  goToTree();
+}
+
 export function leaveBeginning(): void {
-  useBegin.setState({ choosing: false, made: null, error: "" });
+  useBegin.setState({ choosing: false, made: null, error: "", wanted: null });
 }
 
 export function chooseRobot(): void {
-  useBegin.setState({ choosing: true, made: null, error: "" });
+  useBegin.setState({ choosing: true, made: null, error: "", wanted: null });
   usePage.getState().setRoom("task");
 }
 

@@ -42,7 +42,7 @@ export async function add(what: string, at?: Spot): Promise<void> {
     report("No container takes another child: wrap the root in a sequence first.");
     return;
   }
-  if (!(await provided(what))) return;
+  if (!(await provided(what, (node) => add(node, at)))) return;
   // Who adds faster than the answers come means the place after the node, wherever that is by then.
   const made: string[] = [];
   const command = (): Command => {

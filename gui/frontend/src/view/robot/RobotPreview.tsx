@@ -120,13 +120,14 @@ function Joints({ view, space, joints, set }: JointsProps): JSX.Element {
             if (!joint) return null;
             const [low, high] = joint.limits.length === 2 && joint.limits[0] !== joint.limits[1] ? (joint.limits as [number, number]) : [-Math.PI, Math.PI];
             const at = joints.get(name) ?? view.rest[name] ?? 0;
-            const unit = joint.type === "prismatic" ? "m" : "rad";
+            const words = `${at.toFixed(3)} ${joint.type === "prismatic" ? "m" : "rad"}`;
             return (
               <label key={name} className="joint">
                 <span>{name}</span>
-                <input type="range" aria-label={name} min={low} max={high} step={(high - low) / 200} value={at} onChange={(event) => set(new Map(joints).set(name, Number(event.target.value)))} />
-                <output>
-                  {at.toFixed(3)} {unit}
+                <input type="range" aria-label={name} min={low} max={high} step={(high - low) / 200} value={at} aria-valuetext={words} onChange={(event) => set(new Map(joints).set(name, Number(event.target.value)))} />
+                {/* The slider says it; dozens change at once where the hand is moved. */}
+                <output aria-live="off" aria-hidden="true">
+                  {words}
                 </output>
                 <span className="hint">
                   {low.toFixed(2)} to {high.toFixed(2)}

@@ -64,7 +64,8 @@ export default function RobotView(): JSX.Element {
   };
   const origin = useRun((s) => s.history.start);
   const known = stand && view ? view.joints.filter((joint) => stand.joints.has(joint.name)).length : 0;
-  const said = view === null ? "Fetching the robot ..." : view.error || (stand === null ? `${view.name} at rest: the run has measured nothing` : known === 0 ? `${view.name} at rest: the joints of this run's robot aren't its joints (a fake?)` : `${view.name}: ${known} joints as measured at ${seconds(Math.max(0, stand.t - origin))}`);
+  const said = view === null ? "Fetching the robot ..." : view.error || (stand === null ? `${view.name} at rest: the run has measured nothing` : known === 0 ? `${view.name} at rest: the joints of this run's robot aren't its joints (a fake?)` : `${view.name}: ${known} joints as measured`);
+  const at = stand && known > 0 && !view?.error ? ` at ${seconds(Math.max(0, stand.t - origin))}` : "";
   return (
     <section className="robot-view" aria-label="Robot in 3D">
       <div className="edit-bar" role="toolbar" aria-label="Camera">
@@ -87,11 +88,13 @@ export default function RobotView(): JSX.Element {
       </div>
       <p className={view?.error ? "fault padded" : "hint padded"} role="status" aria-label="What is drawn">
         {error || said}
+        {/* The moment isn't told: it changes all the time. */}
+        {!error && <span aria-hidden="true">{at}</span>}
       </p>
       <div className="robot-canvas">
         {view === null && <p className="hint loading">Loading the robot's shape ...</p>}
         {view !== null && !view.error && (
-          <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${said}. Arrow keys turn it, plus and minus go nearer and away.`} onKeyDown={onKeyDown} />
+          <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${said}${at}. Arrow keys turn it, plus and minus go nearer and away.`} onKeyDown={onKeyDown} />
         )}
         {stand && <Legend stand={stand} />}
       </div>

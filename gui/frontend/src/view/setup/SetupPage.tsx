@@ -4,6 +4,7 @@ import { type JSX, type KeyboardEvent as KeyPress, lazy, Suspense, useEffect, us
 
 import { formKind, freeName, type Shape, shapeAt, valueAt } from "../../model/shapes";
 import type { SetupView, Template } from "../../protocol/generated";
+import { goOn, useBegin } from "../../store/begin";
 import { loadGeometry, useRobot } from "../../store/live";
 import { listSetup, type Making, openSetup, type Part, probe, saveSetup, setValue, report, useSetup } from "../../store/setup";
 import { ImportForm, InterfaceForm } from "./ImportForm";
@@ -124,6 +125,7 @@ function Open({ view }: { view: SetupView }): JSX.Element {
   if (line !== null && !text) show(true);
   const saved = useSetup((s) => s.saved === s.view?.text);
   const busy = useSetup((s) => s.busy);
+  const wanted = useBegin((s) => s.wanted !== null);
   const chosen = useSetup((s) => s.part);
   const part = view.kind === "project" ? chosen : "";
   const tries: readonly (readonly ["robot" | "generate" | "test", string])[] =
@@ -140,6 +142,11 @@ function Open({ view }: { view: SetupView }): JSX.Element {
               {busy === what ? "Trying ..." : label}
             </button>
           ))}
+          {wanted && view.kind === "component" && saved && (
+            <button className="main" onClick={() => void goOn(`component/${(view.data as { name?: string } | null)?.name ?? ""}`)}>
+              Add it to the task
+            </button>
+          )}
           <button aria-pressed={text} title="The file itself, beside the form" onClick={() => show(!text)}>
             Text
           </button>

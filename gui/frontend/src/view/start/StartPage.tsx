@@ -5,7 +5,7 @@ import { firstTask } from "../../model/parts";
 import { matching } from "../../model/commands";
 import { server } from "../../protocol/client";
 import type { GeometryView } from "../../protocol/generated";
-import { begin, leaveBeginning, openExample, openFirst, useBegin } from "../../store/begin";
+import { begin, goOn, leaveBeginning, openExample, openFirst, useBegin } from "../../store/begin";
 import { loadGeometry, useRobot } from "../../store/live";
 import { newTask, useProject } from "../../store/tasks";
 import { ImportForm } from "../setup/ImportForm";
@@ -54,6 +54,7 @@ export default function StartPage(): JSX.Element {
 /** What has been written, what still lacks, and the way on. */
 function Made(): JSX.Element {
   const made = useBegin((s) => s.made);
+  const wanted = useBegin((s) => s.wanted);
   const project = useProject((s) => s.project);
   const view = useRobot((s) => s.view);
   useEffect(() => void loadGeometry(), []);
@@ -64,7 +65,14 @@ function Made(): JSX.Element {
       <div className="start-has">
         <div>
           <ProjectParts />
-          {first !== undefined && (
+          {wanted !== null && (
+            <p className="start-on">
+              <button className="main start-go" autoFocus onClick={() => void goOn(wanted.node)}>
+                Go on, and add {wanted.node}
+              </button>
+            </p>
+          )}
+          {first !== undefined && wanted === null && (
             <p className="start-on">
               <button className="main start-go" autoFocus onClick={() => void openFirst(first)}>
                 Open the first task
