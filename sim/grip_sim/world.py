@@ -55,7 +55,7 @@ class Contact(NamedTuple):
         return (x, y, z) if name == self.first else (-x, -y, -z)
 
 
-TOUCH, NONE = 1e-3, np.zeros(3, np.float32)
+TOUCH = 1e-3
 """Contact forces below this are none [N]."""
 FEELING = 1 / 80
 """A regulated force is felt so often [s]: to ask for contacts takes as long as a step, and it changes slowly."""
@@ -85,7 +85,7 @@ class World:
         fixtures: list[BoxSpec | MeshSpec] = [*spec.boxes, floor, *spec.meshes]
         still = [self._add_still(each) for each in fixtures]
         self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
-        self._links = {link.name: link for link in self.robot.links}
+        self._own, self._links = frozenset(self.robot.links), {link.name: link for link in self.robot.links}
         check_names(spec, self._links)
         hands = self.robot.description.hands.items()
         self._fingers = {hand: {self._links[name] for name in names if name in self._links} for hand, names in hands}
@@ -277,7 +277,7 @@ class World:
             if (one in fingers) == (two in fingers):
                 continue  # names take their time, and most contacts are of others
             link, body = (one, two) if one in fingers else (two, one)
-            if body.entity.name not in self._links and body.entity.name not in self._moved:
+            if body not in self._own and not (self._moved and body.entity.name in self._moved):
                 yield link, body, contact
 
     def measures(self) -> dict[str, float]:

@@ -73,7 +73,7 @@ def _look_of(visual: ET.Element, known: Mapping[str, ET.Element]) -> Iterator[Lo
         case "mesh", {"filename": file, **more}:
             parts, scale = list(read_mesh(Path(_local(file)))), np.array(_numbers(more.get("scale"), "1 1 1"))
         case "box", {"size": size}:
-            parts = [_box(np.array(_numbers(size)) / 2)]
+            parts = [_box(*(length / 2 for length in _numbers(size)))]
         case "cylinder", {"radius": radius, "length": length}:
             parts = [hull_look(_cylinder(float(radius), float(length) / 2))]
         case "sphere", {"radius": radius}:
@@ -108,7 +108,7 @@ def shape_look(shape: physx.PhysxCollisionShape) -> Look:
         case physx.PhysxCollisionShapeTriangleMesh():
             look = Look(np.asarray(shape.vertices, float) * shape.scale, np.asarray(shape.triangles, np.int32))
         case physx.PhysxCollisionShapeBox():
-            look = _box(shape.half_size)
+            look = _box(*shape.half_size.tolist())
         case physx.PhysxCollisionShapeSphere():
             look = hull_look(_ball(shape.radius))
         case physx.PhysxCollisionShapeCapsule():  # along x, as cylinders
@@ -121,7 +121,9 @@ def shape_look(shape: physx.PhysxCollisionShape) -> Look:
     return look.moved(shape.local_pose.to_transformation_matrix().astype(float))
 
 
-def _box(half: Array) -> Look:
+@lru_cache(maxsize=64)
+def _box(x: float, y: float, z: float) -> Look:
+    half = np.array([x, y, z])
     return hull_look(box_corners(-half, half))
 
 
