@@ -56,13 +56,13 @@ def main() -> int:
             status = _execute(order, channels, control, equipment)
             if status == EARLY or not order.get("more"):
                 break
+            control.leave()
+            control.send("idle")  # first: the parent reads what came of the run while this process tidies up
             _forget_modules(order["task"])
             gc.collect()
             if not frozen:  # to have what is frozen counted takes as long as to look through it
                 gc.freeze()  # what is there after the first run stays, and needn't be looked through again
                 frozen = True
-            control.leave()
-            control.send("idle")
             order = control.order.get()
     return status
 
