@@ -105,7 +105,7 @@ def test_a_condition_ends_when_it_holds_is_preempted_runs_out_of_time_or_raises(
         ({"goal": print}, "give it as goal_cb"),
         ({"goal_slots": ["speed"]}, "has \\['goal'\\]"),
         ({"result_slots": ["speed"]}, "has \\['result'\\]"),
-        ({"goal_cb": 3}, "goal callback .* no function"),
+        ({"goal_cb": 3}, "goal callback .* isn't a function"),
     ],
 )
 def test_wrong_arguments_of_an_action_state_are_refused_with_what_there_is(options, said):
