@@ -115,9 +115,9 @@ def run_sim(args: argparse.Namespace) -> int:
             args.setup.write_text(served.setup)
         if args.room is not None:
             args.room.write_text(served.room)
-        print("\nserving; press Ctrl-C to stop. For `grip run TASK --robot ros`, put this into grip.yaml:\n")
+        print("\nFor `grip run TASK --robot ros`, put this into grip.yaml:\n")
         tell(False, ({} if args.room is None else {"scene": str(args.room)}) | served.settings)
-        sys.stdout.flush()
+        print("\nserving; press Ctrl-C to stop", flush=True)
         while not over.wait(0.5):
             try:
                 served.simulation.referee.fingerprint()

@@ -147,7 +147,7 @@ def test_a_task_runs_on_it_as_on_a_real_robot(world):
     from grip_bt.ros.process import child_environment
 
     said = world.log.read_text()
-    settings = said[said.index("scene:") :].partition("\n[")[0]  # refusals of goals come later
+    settings = said[said.index("scene:") :].partition("\nserving")[0]
     assert yaml.safe_load(settings)["ros"]["cameras"]["overhead"]["image"] == "/overhead/color/image_raw"
     patient = settings.replace("\nros:\n", "\nros:\n  ready: 400\n  stale: 60\n")
     patient = patient.replace("      mount:", "      timeout: 400\n      mount:")
