@@ -57,7 +57,7 @@ def simulated_robot(
             command, cwd=folder, env=child_environment((), domain), stdout=out, stderr=subprocess.STDOUT, text=True
         )
     deadline = time.monotonic() + PATIENCE
-    while (serves := "serving; press" in log.read_text()) is False and process.poll() is None and time.monotonic() < deadline:
+    while (serves := "serving;" in log.read_text()) is False and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.1)
     try:
         assert serves, log.read_text()

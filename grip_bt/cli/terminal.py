@@ -129,7 +129,7 @@ class Bar:
         self._bar.stop()
 
     def __call__(self, done: int, every: int, name: str = "") -> None:
-        """Say that so many of all are done, and what is under way."""
+        """Say how many of all are done, and what is under way."""
         self._bar.update(self._part, completed=done, total=every, name=name)
 
 

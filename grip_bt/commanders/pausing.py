@@ -101,7 +101,7 @@ class _Motion(Generic[J]):
 
 
 class _InParts(Generic[J]):
-    """One motion at a time, done in parts: `do` does one, `rest` is what is left of a job after so long [s]."""
+    """One motion at a time, done in parts: `do` does one, `rest` is what is left of a job after a time [s]."""
 
     def __init__(
         self,

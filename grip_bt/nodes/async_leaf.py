@@ -143,7 +143,7 @@ class AsyncLeaf(OperationLeaf):
     # --- for authors, within run ---
 
     def sleep(self, seconds: float) -> Operation[None]:
-        """Return what ends after so many seconds of the run's clock, to be awaited: simulated ones, without pauses."""
+        """Return what ends after some seconds of the run's clock, to be awaited: simulated ones, without pauses."""
         due, nap = self.context.clock.now() + seconds, Operation[None]()
         self._naps.append((due, nap))
         self.context.wake_at(due)

@@ -220,6 +220,6 @@ def publish_frames(
 
 
 def publish_clock(bus: Bus, now: Callable[[], float], rate: float = 100.0) -> Published:
-    """Publish the simulated time `now` [s] on `/clock`, so often [Hz]."""
+    """Publish the simulated time `now` [s] on `/clock`, at a rate [Hz]."""
     writer = bus.writer("rosgraph_msgs/msg/Clock", "/clock")
     return Published("grip_clock", 1 / rate, lambda: writer.publish(writer.type(clock=header("", now()).stamp)))

@@ -246,7 +246,7 @@ class TrajectoryController(Controller):
 
 
 SOON = 0.1
-"""Fingers take so long at least [s]."""
+"""Least duration of a motion of fingers [s]."""
 
 
 class FingerController(TrajectoryController):

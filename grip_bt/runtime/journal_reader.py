@@ -170,7 +170,7 @@ class JournalReader(Closing):
             yield from (event for event in self.events(run, first - 1, last - first + 1) if event.event == "write")
 
     def _blocks(self, run: str, after: int, left: int) -> Iterator[list[Event]]:
-        """Yield the events of a run after one, at most so many, block by block; also of those written meanwhile."""
+        """Yield the events of a run after one, up to a number, block by block; also of those written meanwhile."""
         after = max(after, 0)
         sql = "SELECT first, last, content, data, sum FROM blocks WHERE run=? AND last>? ORDER BY first LIMIT 64"
         while left > 0 and (rows := self._rows.query(sql, run, after)):

@@ -35,13 +35,13 @@ T = TypeVar("T")
 Patience = bool | Callable[[], dict[str, float]]
 """Whether a call surely ends, however long that takes; or what tells who works on it, see `thought_of`."""
 GRACE = 10.0
-"""A call holds time for so long [s of ours] at least."""
+"""Least time for which a call holds simulated time [s of ours]."""
 THINKING = 0.3
 """Who works on a call thinks where a thread of theirs ran, or waited for a processor, for this part of the time."""
 IDLE = 0.1
 """Where nobody is known to wait for anything, time passes as ours does, in parts of this [s]."""
 LOOK = 0.005
-"""Code that goes on although it was told to stop is looked at so often [s of ours]."""
+"""Interval at which code that goes on although it was told to stop is looked at [s of ours]."""
 _log = logging.getLogger(__name__)
 
 

@@ -87,7 +87,7 @@ class SimClock:
 
 START_TIME, ANSWER_TIME, CLOSE_TIME = 300.0, 120.0, 1.0
 SILENCE = 120.0
-"""A simulator that owes an answer and says nothing for so long is lost [s]; while it moves it tells its time."""
+"""A simulator that owes an answer and says nothing for this long is lost [s]; while it moves it tells its time."""
 
 
 def _unheard(name: str, words: str, over: bool) -> None: ...

@@ -80,7 +80,7 @@ class Liquids:
                 self.volumes[name], self.spilled = kept, self.spilled + volume - kept
 
     def draw(self, tip: Array, most: float) -> float:
-        """Take at most so much [ml] from where a tip is in world, and return how much there was."""
+        """Take at most a volume [ml] from where a tip is in world, and return how much there was."""
         name = self._around(tip)
         if not name:
             return 0.0

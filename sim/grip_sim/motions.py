@@ -20,11 +20,11 @@ GRACE = 1.0
 STILL = 0.05
 """Joints slower than this stand still [rad/s]."""
 STILL_TIME = 0.1
-"""Fingers have come to rest when they stood still for so long [s]."""
+"""Fingers have come to rest when they stood still for this long [s]."""
 NEARLY = 0.1
 """A hand presses as it is to when it does but for this part of the force."""
 AHEAD = 64
-"""A path is sampled for so many steps at once."""
+"""Steps for which a path is sampled at once."""
 _PAST = 0.1
 """What was followed longer ago is forgotten when a motion is amended [s]."""
 

@@ -18,14 +18,14 @@ from grip_bt.base.yaml.models import Positive, Settings
 
 MEASURE = "held_through_shake"
 SHORT, SLOW = 0.8, 1.25
-"""Strokes are at least so long, and last at most so long, as parts of what is said: arms lag behind their targets. Much
+"""Least length and longest duration of a stroke, as parts of what is asked: arms lag behind their targets. Much
 longer ones are of other motions."""
 BACK = 0.2
 """A hand that has come back by this part of the amplitude has turned."""
 PAUSE = 2.0
 """Strokes that come later than this after the last one belong to another shake [s]."""
 PERIOD = 1 / 60
-"""It is looked at so often [s]."""
+"""Interval between two looks [s]."""
 
 
 class ShakeConfig(Settings):

@@ -58,9 +58,9 @@ class Contact(NamedTuple):
 TOUCH = 1e-3
 """Contact forces below this are none [N]."""
 FEELING = 1 / 80
-"""A regulated force is felt so often [s]: to ask for contacts takes as long as a step, and it changes slowly."""
+"""Interval at which a regulated force is felt [s]: asking for contacts takes as long as a step."""
 DOZING = 0.1
-"""Whether the robot rests is seen so often [s]."""
+"""Interval at which it is seen whether the robot rests [s]."""
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 """PhysX cylinders lie along x."""
 FLOOR, FLOOR_SIZE, FLOOR_DEPTH, FLOOR_COLOUR = "floor", 20.0, 1.0, (92, 94, 98)

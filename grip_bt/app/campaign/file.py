@@ -95,7 +95,7 @@ class CampaignFile(Settings):
     stop: StopRule | None = None
     """When a variant isn't tried any more; without it, all are on every seed."""
     repeat: int = Field(default=50, ge=0)
-    """After so many trials one is run again, in new processes, and compared event by event; 0 for never."""
+    """After this many trials one is run again, in new processes, and compared event by event; 0 for never."""
 
     @field_validator("seeds", mode="wrap")
     @classmethod

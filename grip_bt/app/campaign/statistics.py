@@ -145,7 +145,7 @@ def mcnemar(one: int, other: int) -> float:
 
 
 def fisher(good: int, of: int, other_good: int, other_of: int) -> float:
-    """Return how likely two rates are that differ so much, or more, where both are as good (exact, two-sided)."""
+    """Return how likely two rates are that differ by this much, or more, where both are as good (exact, two-sided)."""
     total = good + other_good
     ways = {k: comb(of, k) * comb(other_of, total - k) for k in range(max(0, total - other_of), min(of, total) + 1)}
     return sum(way for way in ways.values() if way <= ways[good]) / sum(ways.values())

@@ -73,7 +73,7 @@ def served_in(draft: Draft) -> Draft:
 
 
 def from_graph(name: str, within: float, interfaces: Path | None = None) -> Draft:
-    """Take what runs: its type is asked of the running graph within so many [s].
+    """Take what runs: its type is asked of the running graph `within` a time [s].
 
     Args:
         interfaces: folder with the package that defines the type, for one that isn't installed.

@@ -100,7 +100,7 @@ class _Check:
         return names
 
     def numbers(self, element: ET.Element, attribute: str, count: int, default: str) -> tuple[float, ...]:
-        """Return so many finite numbers of an attribute; none, and it is said, where it doesn't hold them."""
+        """Return an attribute as `count` finite numbers; none, and it is said, where it doesn't hold them."""
         try:
             return numbers(element, attribute, count, default, self.source)
         except DocumentError as error:

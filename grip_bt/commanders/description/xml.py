@@ -52,7 +52,7 @@ def _rooted(text: bytes | str, root: str, source: str) -> XmlElement:
 
 
 def numbers(element: ET.Element, attribute: str, count: int, default: str, source: str = "") -> tuple[float, ...]:
-    """Return an attribute as so many finite numbers.
+    """Return an attribute as finite numbers, of a given count.
 
     Raises:
         DocumentError: it isn't that.

@@ -46,7 +46,7 @@ class Budget:
         self._of: Budget | None = None
 
     def over(self, work: float = 1.0) -> bool:
-        """Tell whether a search has to end; each call counts as so much work, a check of RRTConnect being 1."""
+        """Tell whether a search has to end; each call counts as some work, a check of RRTConnect being 1."""
         self._asked += work
         if self._of is None:
             return self.out_of_time
@@ -74,7 +74,7 @@ class Budget:
         return self.part(max(0.0, self._most - self._asked) / parts / RATE)
 
     def part(self, seconds: float) -> Budget:
-        """Return a budget of the work that is done in so many seconds."""
+        """Return a budget of the work that is done in some seconds."""
         part = Budget(self._seconds, self._clocks)
         part._most, part._of = RATE * seconds, self
         return part

@@ -30,7 +30,7 @@ def interpolated(path: Path, resolution: float) -> Path:
 
 
 def at_arc(path: Path, where: Array) -> Path:
-    """Return the configurations so far along a path [rad], shape (m,) -> (m, n)."""
+    """Return the configurations at distances along a path [rad], shape (m,) -> (m, n)."""
     at = arc(path)
     return np.stack([np.interp(where, at, column) for column in path.T], axis=1)
 

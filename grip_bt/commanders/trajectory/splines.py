@@ -31,7 +31,7 @@ def smoothed(names: tuple[str, ...], rows: Array, step: float) -> Trajectory:
 
 
 def eased(names: tuple[str, ...], start: Array, goal: Array, duration: float) -> Trajectory:
-    """Return a motion from rest to rest on a straight line in joint space, which takes so long [s].
+    """Return a motion from rest to rest on a straight line in joint space, of a given duration [s].
 
     Its largest velocity is about 1.5 times the mean one.
     """

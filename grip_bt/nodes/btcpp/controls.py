@@ -166,7 +166,7 @@ class Timeout(_Counting):
 
 
 class Delay(_Counting):
-    """The child, so long after the beginning."""
+    """The child, after a delay."""
 
     def initialise(self) -> None:
         self.at = self.context.clock.now() + self.number("delay_msec") / 1000

@@ -8,7 +8,7 @@ from grip_bt.nodes.control import SKIPPED, Control
 
 
 class RecoveryNode(Control):
-    """The first child; when it fails the second, and then the first again, so many times."""
+    """The first child; when it fails the second, and then the first again, a number of times."""
 
     at = retries = 0
 
@@ -88,7 +88,7 @@ class RoundRobin(Control):
 
 
 class RateController(Control):
-    """The child at most so often; while it runs, on every tick."""
+    """The child at most at a rate; while it runs, on every tick."""
 
     since: float | None = None
 

@@ -151,7 +151,7 @@ def sleep(duration: Any) -> None:
 
 
 class Rate:
-    """Lets a loop run so often [Hz]."""
+    """Lets a loop run at a rate [Hz]."""
 
     def __init__(self, hz: float, reset: bool = False):
         self.sleep_dur = Duration(1.0 / hz)
