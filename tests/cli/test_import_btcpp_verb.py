@@ -40,7 +40,7 @@ def test_a_report_says_what_becomes_of_the_file_and_writes_nothing(
     command = ["import", str(tmp_path / "fetch.xml"), "--from", "btcpp", "-o", str(tmp_path / "x.yaml"), "--report"]
     assert main(command) == 0
     said = capsys.readouterr().out
-    assert "task Fetch: 4 nodes, 1 variables, 0 inputs" in said
+    assert "task Fetch: 4 nodes, 1 variable, 0 inputs" in said
     assert "node types: flow/wait" in said
     assert "nodes whose code has to be written: btcpp/Find, btcpp/Grasp" in said
     assert main([*command, "--json"]) == 0
