@@ -90,7 +90,7 @@ def _with_ports(cls: type) -> type[Leaf]:
         if mark is None:
             continue
         if any(hasattr(base, name) for base in cls.__bases__) or name in _OWN:
-            raise TypeError(f"{cls.__qualname__}: leaves have an attribute {name!r}; give the port another name")
+            raise TypeError(f"{cls.__qualname__}: leaves have an attribute {name!r} already; rename the port")
         setattr(cls, name, _KINDS[mark.group(1)](name))
     return cls
 

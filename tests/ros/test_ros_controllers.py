@@ -321,6 +321,9 @@ class Fingers:
         self.at = max(float(trajectory.positions[-1][0]), self.stops)
         return Operation.finished(self.state())
 
+    def stop(self):
+        return Operation.finished(self.state())
+
     def send(self, goal, *_):
         from grip_bt.ros.client.goal import GoalEnd
 
