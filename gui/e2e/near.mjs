@@ -12,7 +12,8 @@ writeFileSync(join(folder, "tasks/many.yaml"), `grip: 1\nname: many\nroot:\n  ki
 
 await onPage(url, async (page, { button, choose, dragUntil, fileIs, item, pick }) => {
   const zoomIn = async (times) => {
-    for (let i = 0; i < times; i++) await page.getByRole("button", { name: "Zoom In" }).click();
+    const nearer = page.getByRole("button", { name: "Zoom In" });
+    for (let i = 0; i < times && (await nearer.isEnabled()); i++) await nearer.click();
   };
   await choose("Task", "tasks/short.yaml");
   await fileIs("saved");
