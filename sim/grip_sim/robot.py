@@ -29,8 +29,6 @@ TIE, TIE_TIME = 5.0, 1e-3
 knock each other off what they meet."""
 REGULATION = 8.0
 """Rate at which that torque grows or sinks while fingers don't press at all, or twice as hard as they are to [1/s]."""
-RESTING = 1e-6
-"""A robot rests when nothing was asked of it, and no joint has gone further [rad or m], since it was last looked at."""
 LEAST, MOST = 1e-3, 0.999
 """Torques that regulation leaves a drive, as parts of what it can; all of it has one that has touched nothing yet."""
 
@@ -65,9 +63,6 @@ class SimRobot:
         self._stiffness, self._damping = np.zeros(count), np.zeros(count)
         self._limit, self._force = np.zeros(count), np.zeros(count)
         self._ranges: dict[int, tuple[float, float]] = {}
-        self._there, self._left_alone = np.full(count, np.inf), False
-        self.rests = False
-        """Whether it would stand still for as long as nothing is asked of it, nor touches it."""
         self.pressing: dict[str, list[int]] = {}
         """The hands whose force is regulated, each with the rows of its joints."""
         self._followers: dict[int, list[tuple[int, Mimic]]] = {}
@@ -95,7 +90,6 @@ class SimRobot:
 
     def drive(self, rows: Indices, positions: Array, velocities: Array | None = None) -> None:
         """Set drive targets [rad, rad/s]; without velocities the joints are to stand still."""
-        self._wake()
         speeds = [0.0] * len(rows) if velocities is None else velocities.tolist()
         for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds, strict=True):
             self._aim(row, position, speed)
@@ -116,7 +110,6 @@ class SimRobot:
 
     def limit_torque(self, rows: Indices, limit: float | None) -> None:
         """Limit the drives' torque [N m]; None restores the description's limits."""
-        self._wake()
         leading = rows.tolist()
         for row in [*leading, *(f for leader in leading for f, _ in self._followers.get(leader, ()))]:
             value = self._most[row] if limit is None else min(limit, self._most[row])
@@ -126,13 +119,11 @@ class SimRobot:
 
     def press(self, rows: Indices, force: float | None) -> None:
         """Have the drives' torque regulated so that the hand presses with a force [N]; None ends that."""
-        self._wake()
         self._force[rows] = force or 0.0
         self._note_pressing()
 
     def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
         """Have a joint's drive keep it within a range [rad or m], where it is for an empty one; None ends that."""
-        self._wake()
         row = self._rows[joint]
         if between is None:
             self._ranges.pop(row, None)
@@ -140,15 +131,6 @@ class SimRobot:
         here = float(self.positions()[row])
         self._ranges[row] = between if between[0] <= between[1] else (here, here)
         self._aim(row, float(self._target[row]), 0.0)
-
-    def doze(self) -> None:
-        """See whether it rests; some steps after it was seen last."""
-        here = self.positions()
-        self.rests = self._left_alone and not self.pressing and bool(np.abs(here - self._there).max() < RESTING)
-        self._there, self._left_alone = here, True
-
-    def _wake(self) -> None:
-        self.rests = self._left_alone = False
 
     def _note_pressing(self) -> None:
         self.pressing = {}

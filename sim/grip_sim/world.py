@@ -59,8 +59,6 @@ TOUCH = 1e-3
 """Contact forces below this are none [N]."""
 FEELING = 1 / 80
 """Interval at which a regulated force is felt [s]: asking for contacts takes as long as a step."""
-DOZING = 0.1
-"""Interval at which it is seen whether the robot rests [s]."""
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 """PhysX cylinders lie along x."""
 FLOOR, FLOOR_SIZE, FLOOR_DEPTH, FLOOR_COLOUR = "floor", 20.0, 1.0, (92, 94, 98)
@@ -102,7 +100,7 @@ class World:
         """How often it was advanced."""
         self._moved: set[str] = set()
         self._pressed: dict[str, float] = {}
-        self._feeling, self._dozing = (max(1, round(time / spec.dt)) for time in (FEELING, DOZING))
+        self._feeling = max(1, round(FEELING / spec.dt))
         self.faults = Faults(spec.faults, spec.seed, self)
         links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
         seen = [*still, *self._robot_targets(), *map(self._object_target, spec.objects), *links]
@@ -117,16 +115,13 @@ class World:
     def step(self) -> None:
         """Advance by `spec.dt`."""
         self.faults.stepped()
-        if not self._sleeps():
-            self.robot.follow()
-            self.robot.compensate()
-            for each in self.articulated.values():
-                each.before_step()
-            self._liquids.settle()
-            self.physics()
+        self.robot.follow()
+        self.robot.compensate()
+        for each in self.articulated.values():
+            each.before_step()
+        self._liquids.settle()
+        self.physics()
         self.steps += 1
-        if self.steps % self._dozing == 0 and not self.robot.rests:
-            self.robot.doze()
         self._moved.clear()
         if self._pressed:
             self._pressed = {hand: force for hand, force in self._pressed.items() if hand in self.robot.pressing}
@@ -138,10 +133,6 @@ class World:
         if self._shaking is not None:
             self._shaking.stepped(self.time)
         self.cameras.stepped(self.time)
-
-    def _sleeps(self) -> bool:
-        """Tell whether nothing would move: PhysX has bodies sleep that rest, but never a robot that carries itself."""
-        return self.robot.rests and not self.articulated and all(body.is_sleeping for body in self._objects.values())
 
     def object_pose(self, name: str) -> Pose:
         """Return the pose of an object's centre in world."""

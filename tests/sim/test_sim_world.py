@@ -88,46 +88,6 @@ def test_objects_and_robot_at_rest_stay_where_they_are(settled):
     assert settled.robot.positions() == pytest.approx(joints, abs=1e-3)
 
 
-def advanced_by_physics(world, seconds):
-    """Return how often physics was advanced meanwhile."""
-    advance_physics, calls = world.physics, []
-    world.physics = lambda: calls.append(advance_physics())
-    advance(world, seconds)
-    world.physics = advance_physics
-    return len(calls)
-
-
-def test_a_world_where_all_rests_sleeps_without_a_difference(make_world):
-    one, other = (make_world(load_world("table", 3)) for _ in range(2))
-    other._sleeps = lambda: False
-    assert advanced_by_physics(one, 4.0) < advanced_by_physics(other, 4.0) / 2
-    assert one.time == other.time
-    for name in (thing.name for thing in one.spec.objects):
-        assert one.object_pose(name).matrix() == pytest.approx(other.object_pose(name).matrix(), abs=1e-9)
-        assert one.object_speeds(name) == (0, 0)
-    assert one.robot.positions() == pytest.approx(other.robot.positions(), abs=1e-5)
-
-
-@pytest.mark.parametrize("what", ["drive", "limit", "move", "push", "spawn"])
-def test_whatever_is_done_wakes_a_world(make_world, what):
-    world = make_world(load_world("table", 3))
-    name, rows = world.spec.objects[0].name, world.robot.rows(world.robot.description.group("arm"))
-    advance(world, 2.0)
-    assert not advanced_by_physics(world, 0.5)
-    match what:
-        case "drive":
-            world.robot.drive(rows, world.robot.targets(rows) + 0.1)
-        case "limit":
-            world.robot.limit_torque(rows, None)
-        case "move":
-            world.move_object(name, world.object_pose(name).moved([0, 0, 0.1]))
-        case "push":
-            world.push(name, (0.0, 0.0, 0.5))
-        case "spawn":
-            world.spawn(ObjectSpec("new", "box", 0.02, 0.04, (0.3, -0.5, 0.3)))
-    assert advanced_by_physics(world, 0.1) == round(0.1 / world.spec.dt)
-
-
 def test_time_is_the_number_of_steps(make_world):
     world = make_world(WorldSpec())
     assert world.time == 0
