@@ -96,7 +96,7 @@ class RunOptions:
 
 OPTIONS = TypeAdapter(RunOptions)
 """Writes and reads them as JSON, for other processes and for the journal."""
-_RECORDED = {*"robot seed world object pace data rate watchdog mocks faults target ticks stand_ins".split()}
+_RECORDED = {*"robot seed world object pace data rate watchdog mocks faults target ticks stand_ins apart".split()}
 
 
 @dataclass
