@@ -1,18 +1,15 @@
 """What a recording process sees of the construction of machines, and what it refuses."""
 
-import os
-import signal
 import sys
-from functools import partial
 from importlib.machinery import ModuleSpec
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 
 import pytest
 from smach_runs import build_legacy, record, run_legacy, run_task, write_recorded
 
 from grip_bt.cli.__main__ import main
-from grip_bt.formats.smach import Recorder, import_file
+from grip_bt.formats.smach import import_file
 from grip_bt.formats.smach.found import Run
 from grip_bt.formats.smach.recorder import answered
 from grip_bt.nodes.smach_source import load_legacy
@@ -482,34 +479,3 @@ def test_a_question_that_keeps_machines_from_being_built_is_found(wanted):
 def test_a_machine_that_begins_where_the_environment_says_is_not_exact(tmp_path):
     begins = "if os.environ.get('FIRST'):\n    sm.set_initial_state([os.environ.get('FIRST')])\n"
     assert verdicts(recorded(tmp_path, "import os, rospy, smach\n" + OFTEN + begins)) == ["partial"]
-
-
-def test_a_recording_process_that_is_killed_is_begun_again_and_one_that_is_killed_each_time_is_told(
-    tmp_path, monkeypatch
-):
-    """As by the system when memory is short."""
-    file = tmp_path / "legacy.py"
-    file.write_text(HEAD + BUILD.replace("OUTCOMES", "'there', 'lost'").replace("EDGES", ""))
-    start, survivors = Recorder._start, []
-
-    def started(number):
-        process = start(number)
-        if survivors:
-            return process
-        answers = process.stdout
-        process.stdout = SimpleNamespace(close=answers.close, readline=partial(killed_before, process, answers))
-        return process
-
-    monkeypatch.setattr(Recorder, "_start", staticmethod(started))
-    with Recorder() as recorder:
-        (failed,) = import_file(file, recorder=recorder).containers
-        (reason,) = [issue.message for issue in failed.issues if "wasn't built" in issue.message]
-        assert "the process that runs its construction was killed by SIGKILL, perhaps for want of memory" in reason
-        assert "without --execute, which only reads it" in reason
-        survivors.append(True)
-        assert verdicts(import_file(file, recorder=recorder)) == ["exact"]
-
-
-def killed_before(process, answers):
-    os.kill(process.pid, signal.SIGKILL)
-    return answers.readline()

@@ -1,10 +1,14 @@
 """The processes that construction runs in: each file sees what it would see alone, and what waits ends."""
 
+import os
+import signal
 import threading
+from functools import partial
+from types import SimpleNamespace
 
 from smach_runs import record
 
-from grip_bt.formats.smach import sandbox
+from grip_bt.formats.smach import Recorder, import_file, sandbox
 from grip_bt.formats.smach.found import Run
 from grip_bt.formats.smach.recorder import _TrackedFinder
 from grip_bt.nodes.smach_source import workspace_of
@@ -85,3 +89,50 @@ def test_a_part_of_an_installed_library_is_no_legacy_code_wherever_it_is_install
     finder = _TrackedFinder(workspace_of(tmp_path / "legacy.py", tmp_path), StandInFinder())
     found = [finder.find_spec("shelf.books", [str(folder)]) is not None for folder in folders.values()]
     assert found == [True, False]
+
+
+KILLED = """import smach
+
+
+class Go(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=["there"])
+
+
+def build():
+    sm = smach.StateMachine(["there"])
+    with sm:
+        smach.StateMachine.add("A", Go())
+    return sm
+"""
+
+
+def test_a_recording_process_that_is_killed_is_begun_again_and_one_that_is_killed_each_time_is_told(
+    tmp_path, monkeypatch
+):
+    """As by the system when memory is short."""
+    file = tmp_path / "legacy.py"
+    file.write_text(KILLED)
+    start, survivors = Recorder._start, []
+
+    def started(number):
+        process = start(number)
+        if survivors:
+            return process
+        answers = process.stdout
+        process.stdout = SimpleNamespace(close=answers.close, readline=partial(killed_before, process, answers))
+        return process
+
+    monkeypatch.setattr(Recorder, "_start", staticmethod(started))
+    with Recorder() as recorder:
+        (failed,) = import_file(file, recorder=recorder).containers
+        (reason,) = [issue.message for issue in failed.issues if "wasn't built" in issue.message]
+        assert "the process that runs its construction was killed by SIGKILL, perhaps for want of memory" in reason
+        assert "without --execute, which only reads it" in reason
+        survivors.append(True)
+        assert [each.verdict for each in import_file(file, recorder=recorder).containers] == ["exact"]
+
+
+def killed_before(process, answers):
+    os.kill(process.pid, signal.SIGKILL)
+    return answers.readline()
