@@ -91,7 +91,7 @@ def test_a_drop_of_nothing_is_told():
         ({"fault": "limit", "of": "j", "between": [1, 0]}, "from 1 to 0 isn't a range"),
         ({"fault": "stuck"}, "the fault `stuck` needs `of`: the joint's name"),
         ({"fault": "drop", "chance": 2}, "less than or equal to 1"),
-        ({"fault": "drop", "at": [3, 1]}, "no range"),
+        ({"fault": "drop", "at": [3, 1]}, "from 3 to 1 isn't a range"),
     ],
 )
 def test_what_is_no_fault_is_refused_in_words(said, wrong):
