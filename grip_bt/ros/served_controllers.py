@@ -381,8 +381,9 @@ def continued(names: Sequence[str], points: Sequence[Message], state: JointState
     now = np.zeros(len(state.names)) if state.velocity is None else state.velocity
     if all(len(point.velocities) == len(names) for point in late):
         velocities = np.array([now, *(np.array(point.velocities)[order] for point in late)])
+    elif streamed and len(late) == 1:
+        velocities = None
     else:
         velocities = np.gradient(positions, times, axis=0)
-        if len(late) > 1 or not streamed:
-            velocities[0], velocities[-1] = now, 0.0
+        velocities[0], velocities[-1] = now, 0.0
     return Trajectory(state.names, times, positions, velocities)

@@ -260,10 +260,19 @@ class Server:
             raise GripError("the robot was stopped by the supervisor of this run; no further motion is accepted")
 
     def _call_follow(
-        self, number: int, names: list[str], times: Array, positions: Array, velocities: Array | None = None
+        self,
+        number: int,
+        names: list[str],
+        times: Array,
+        positions: Array,
+        velocities: Array | None = None,
+        from_here: bool = False,
     ) -> None:
         self._allow_motion()
         robot, rows = self.world.robot, self.world.robot.rows(names)
+        if from_here:
+            positions = np.vstack([robot.positions()[rows], positions[1:]])
+            velocities = None if velocities is None else np.vstack([robot.velocities()[rows], velocities[1:]])
         motion = Follow(robot, rows, times, positions, velocities, self.world.time)
         self._replace(rows)
         robot.limit_torque(rows, None)

@@ -48,13 +48,18 @@ class _Joints:
 
 
 class SimExecutor(_Joints):
-    """Implements `grip_bt.base.ports.Executor` and `grip_bt.base.ports.Steerable`."""
+    """Implements `grip_bt.base.ports.Executor` and `grip_bt.base.ports.Steerable`.
 
-    steerable = True
+    Attributes:
+        from_here: whether a motion begins where the joints are then and as fast, whatever its first point is.
+    """
+
+    steerable, from_here = True, False
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """See the port. Raises ValueError where it isn't for these joints, or holds what isn't a number."""
-        return _measured(self._client.move("follow", names=list(self.joint_names), **self._arrays(trajectory)))
+        said = {"names": list(self.joint_names), "from_here": self.from_here, **self._arrays(trajectory)}
+        return _measured(self._client.move("follow", **said))
 
     execute_steered = execute
 
@@ -196,9 +201,11 @@ class Simulation(SimClient):
         self.spec = spec
         self.settle()
 
-    def executor(self, group: str) -> SimExecutor:
+    def executor(self, group: str, from_here: bool = False) -> SimExecutor:
         """Return what moves a group of joints. Raises UnknownNameError where the robot has no such group."""
-        return SimExecutor(self, self._robot.group(group))
+        made = SimExecutor(self, self._robot.group(group))
+        made.from_here = from_here
+        return made
 
     def hand(self, group: str) -> SimHand:
         """Return what moves the fingers of a group, likewise."""

@@ -69,5 +69,5 @@ def test_the_single_point_of_a_stream_is_passed_at_the_speed_that_leads_to_it():
     point = JointTrajectoryPoint(positions=[0.3])
     point.time_from_start.nanosec = 100_000_000
     state = JointState(("a",), np.array([0.1]), np.array([0.5]))
-    assert continued(["a"], [point], state, True).velocities[:, 0] == pytest.approx([2.0, 2.0])
+    assert continued(["a"], [point], state, True).sampled(np.array([0.0, 0.1]))[1][:, 0] == pytest.approx([2.0, 2.0])
     assert continued(["a"], [point], state, False).velocities[:, 0] == pytest.approx([0.5, 0.0])

@@ -60,6 +60,25 @@ def test_a_way_that_begins_elsewhere_is_aborted_and_nothing_moves(bench):
     assert bench.arm.state().position == pytest.approx(before, abs=0.01)
 
 
+@pytest.mark.parametrize("paced", [False, True], ids=["straight", "with speeds"])
+def test_joints_that_moved_on_since_they_were_measured_do_not_go_back(bench, paced):
+    """As those of a stream of set-points do, where the thread of one waits for a busy machine's processor."""
+    measured, goal = bench.arm.state().position, turned(bench)
+    bench.arm.execute(Trajectory(bench.arm.joint_names, [0.0, 2.0], [measured, goal]))
+    bench.simulation.settle(0.2)
+    speeds = np.array([goal - measured, 0 * goal]) / 2.0 if paced else None
+    where = [bench.arm.state().position[0]]
+    operation = bench.simulation.executor("arm", from_here=True).execute(
+        Trajectory(bench.arm.joint_names, [0.0, 1.5], [measured, goal], speeds)
+    )
+    while not operation.done():
+        bench.simulation.settle(0.01)
+        where.append(bench.arm.state().position[0])
+    assert where[0] > measured[0] + 0.03
+    assert np.diff(where).min() > -1e-3
+    assert bench.wait(operation).position == pytest.approx(goal, abs=0.02)
+
+
 def test_a_way_that_can_not_be_followed_is_aborted_and_the_arm_presses_no_longer(bench):
     down = bench.arm.state().position + np.array([0, 0.75, 0, 0, 0, 0, 0.0])  # into the table
     with pytest.raises(ExecutionAbortedError, match="away from the end"):

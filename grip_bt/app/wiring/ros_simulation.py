@@ -101,7 +101,7 @@ def serve_world(
         progress("simulator", f"SAPIEN in process {simulation.pid}, world {world!r}, seed {seed}: {names}")
         bus = stack.enter_context(Bus("grip_sim"))
         executors: dict[str, Executor | HandPort] = {
-            name: simulation.hand(group) if name in project.file.hands else simulation.executor(group)
+            name: simulation.hand(group) if name in project.file.hands else simulation.executor(group, from_here=True)
             for name, group in groups.items()
         }
         controllers = []
