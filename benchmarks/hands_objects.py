@@ -1,14 +1,15 @@
 """Which hands take which objects, by one task file: grasped, lifted, and held through a shake, by the referee's word.
 
     python benchmarks/hands_objects.py -o rows.jsonl [--hands panda ...] [--objects mug ...] [--poses 5] [--first N]
-                                       [--workers N]
-    python benchmarks/hands_objects.py --report rows.jsonl
+                                       [--workers N] [--dt S]
+    python benchmarks/hands_objects.py --report rows.jsonl [--against OTHER.jsonl]
 
 A trial draws how one object of the library rests on the table in front of the robot, where, and how it is turned, and
 runs `examples/tasks/lift_and_shake.yaml`. It rests as it stands in the library at two seeds of five, at the others on
 any face that carries it, the larger the more often. The simulator and the planner stay up for all trials of a hand and
 an object, which waits on the floor behind the robot; the state of the beginning is put back. Rows are appended to the
 file as they come; a trial that is in there isn't run again. A pose for which the proposer has no grasp doesn't count.
+With `--against`, the trials that both files have are compared, such as those of half the time step.
 """
 
 from __future__ import annotations
@@ -68,6 +69,7 @@ fixtures: {table: {box: [0.70, 1.20, 0.10], at: [0.65, 0.0, -0.10]}}
 cameras:
   overhead: {at: [0.53, 0, 1.3], quaternion: [0, 0.7071067811865476, -0.7071067811865476, 0], field_of_view: 0.44}
 shake: {}
+dt: %r
 objects: {thing: {model: %s, at: [-2, 0, -0.75]}}
 """
 ABOVE = 0.001
@@ -110,7 +112,7 @@ class Stages(grip.Observer):
 class Bench:
     """A robot in a world with an object behind it, which is put before it again and again."""
 
-    def __init__(self, hand: str, thing: str, folder: Path, stack: ExitStack):
+    def __init__(self, hand: str, thing: str, dt: float, folder: Path, stack: ExitStack):
         robot, acceleration = HANDS[hand]
         self.hand, self.thing = hand, thing
         (folder / "worlds").mkdir()
@@ -118,7 +120,7 @@ class Bench:
         said = yaml.safe_load(Path(ROBOTS[robot]).read_text())
         said["accelerations"] = {"hand": said.get("accelerations", {}).get("hand", 40.0), "arm": acceleration}
         (folder / "grip.yaml").write_text(PROJECT.format(robot=json.dumps(said), nodes=TASK.parents[1] / "nodes"))
-        (folder / "worlds" / "one.yaml").write_text(WORLD % thing)
+        (folder / "worlds" / "one.yaml").write_text(WORLD % (dt, thing))
         file = folder / "tasks" / TASK.name
         file.write_text(TASK.read_text())
         self._project, document, _ = check_task(file)
@@ -237,11 +239,30 @@ def report(rows: Iterable[Row]) -> None:
         print(", ".join(f"{number}x {stage}" for stage, number in why.most_common()) or "nothing")
 
 
-def run_pair(hand: str, thing: str, seeds: Iterable[int]) -> list[Row]:
+def compare(rows: Iterable[Row], others: Iterable[Row]) -> None:
+    """Print in how many trials with a grasp, of those that both have, the referee saw something else."""
+    mine, theirs = ({(row["hand"], row["object"], row["seed"]): row for row in each} for each in (rows, others))
+    pairs = [(key, mine[key], theirs[key]) for key in mine.keys() & theirs.keys()]
+    pairs = [pair for pair in pairs if NO_FIT not in (pair[1]["stage"], pair[2]["stage"])]
+    differ = [
+        (*key, one["stage"] or "held", two["stage"] or "held") for key, one, two in pairs if one["held"] != two["held"]
+    ]
+    print(f"\n{len(differ)} of {len(pairs)} trials of both ended otherwise; held: ", end="")
+    print(*(sum(pair[which]["held"] for pair in pairs) for which in (1, 2)), sep=" and ")
+    for each in sorted(differ):
+        print("*", ", ".join(map(str, each)))
+
+
+def run_pair(hand: str, thing: str, dt: float, seeds: Iterable[int]) -> list[Row]:
     """Run the trials of a hand and an object, and return their rows."""
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
-        bench = Bench(hand, thing, Path(name), stack)
+        bench = Bench(hand, thing, dt, Path(name), stack)
         return [bench.trial(seed) for seed in seeds]
+
+
+def rows_of(file: Path) -> list[Row]:
+    """Return what a file holds."""
+    return [json.loads(line) for line in file.read_text().splitlines()]
 
 
 def main() -> int:
@@ -253,24 +274,28 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("-o", "--out", type=Path)
+    parser.add_argument("--dt", type=float, default=1 / 240)
     parser.add_argument("--report", type=Path)
+    parser.add_argument("--against", type=Path)
     args = parser.parse_args()
     file = args.report or args.out
     if file is None:
         parser.error("give -o FILE or --report FILE")
-    rows = [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
+    rows = rows_of(file) if file.exists() else []
     if args.report is None:
         done = {(row["hand"], row["object"], row["seed"]) for row in rows}
         pairs = [(hand, thing) for thing in args.objects for hand in args.hands]
         seeds = range(args.first, args.first + args.poses)
         left = {pair: [seed for seed in seeds if (*pair, seed) not in done] for pair in pairs}
         with ProcessPoolExecutor(args.workers, get_context("spawn")) as pool, file.open("a") as out:
-            running = [pool.submit(run_pair, *pair, missing) for pair, missing in left.items() if missing]
+            running = [pool.submit(run_pair, *pair, args.dt, missing) for pair, missing in left.items() if missing]
             for ended in as_completed(running):
                 for row in ended.result():
                     rows.append(row)
                     print(json.dumps(row), file=out, flush=True)
     report(rows)
+    if args.against is not None:
+        compare(rows, rows_of(args.against))
     return 0
 
 

@@ -100,22 +100,22 @@ class SimRobot:
         What stops the leading joint stops the linkage that it moves, so that the fingers stay parallel on a thing. A
         linkage is no damper: each joint is aimed at with the speed that it has.
         """
-        self._before = self.positions()
+        self._before = before = self.body.get_qpos()
         if not self._followers:
             return
-        positions, speeds = self._before.tolist(), self.body.get_qvel().tolist()
+        speeds = self.body.get_qvel()
         for leader, followers in self._followers.items():
+            position = before.item(leader)
             for row, mimic in followers:
-                self._aim(row, mimic.multiplier * positions[leader] + mimic.offset, speeds[row])
+                self._aim(row, mimic.multiplier * position + mimic.offset, speeds.item(row))
 
-    def limit_torque(self, rows: Indices, limit: float | None) -> None:
-        """Limit the drives' torque [N m]; None restores the description's limits."""
-        leading = rows.tolist()
-        for row in [*leading, *(f for leader in leading for f, _ in self._followers.get(leader, ()))]:
-            value = self._most[row] if limit is None else min(limit, self._most[row])
-            stiffness, damping = self._stiffness[row], self._damping[row]
-            self._joints[row].set_drive_properties(stiffness, damping, force_limit=value, mode="force")
-            self._limit[row] = value
+    def limit_torque(self, rows: Iterable[int], limit: float | None) -> None:
+        """Limit the torque of drives [N m] and of those that mimic them; None restores the description's limits."""
+        for leader in rows:
+            for row in (leader, *(follower for follower, _ in self._followers.get(leader, ()))):
+                self._limit[row] = value = self._most[row] if limit is None else min(limit, self._most[row])
+                stiffness, damping = self._stiffness[row], self._damping[row]
+                self._joints[row].set_drive_properties(stiffness, damping, force_limit=value, mode="force")
 
     def press(self, rows: Indices, force: float | None) -> None:
         """Have the drives' torque regulated so that the hand presses with a force [N]; None ends that."""
@@ -152,9 +152,9 @@ class SimRobot:
             most, limit = self._most[row], float(self._limit[row])
             if limit < most:
                 grown = limit * float(np.exp(REGULATION * error * dt))
-                self.limit_torque(np.array([row]), min(max(grown, LEAST * most), MOST * most))
+                self.limit_torque([row], min(max(grown, LEAST * most), MOST * most))
             elif pressed:
-                self.limit_torque(np.array([row]), GENTLE * most)
+                self.limit_torque([row], GENTLE * most)
 
     def groups_of(self, rows: Indices) -> list[str]:
         """Return the groups that one of these joints belongs to."""
@@ -197,7 +197,7 @@ class SimRobot:
         self._before = self.positions() - kept["velocities"] * self._dt
         for row in range(count):
             self._aim(row, float(kept["targets"][row]), float(kept["speeds"][row]))
-            self.limit_torque(np.array([row]), float(kept["limits"][row]))
+            self.limit_torque([row], float(kept["limits"][row]))
         self._force[:] = kept["forces"]
         self._note_pressing()
 
@@ -231,7 +231,7 @@ class SimRobot:
             calm = CALM * drive.stiffness * self._dt**2 if row in linked and joint.type == "prismatic" else 0.0
             joint.set_armature(np.array([max(drive.armature, calm)], dtype=np.float32))
             self._stiffness[row], self._damping[row] = drive.stiffness, drive.damping
-        self.limit_torque(np.arange(len(self._joints)), None)
+        self.limit_torque(range(len(self._joints)), None)
 
     def _tie(self) -> None:
         """Tie joints of a linkage by tendons: to the one that leads where that is beside them, else to the one below.

@@ -6,8 +6,6 @@ import hashlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from functools import reduce
-from operator import add
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -93,16 +91,14 @@ class World:
             name: make_articulated(self._scene, name, said, lambda *two: self.cameras.replaced(*two), self._liquids)
             for name, said in spec.articulated.items()
         }
-        mechanisms = self.articulated.values()
-        self._mechanisms = frozenset(link.name for each in mechanisms for link in each.links)
         self._slipping = {hand: Slipping() for hand in self._fingers}
         self.steps = 0
         """How often it was advanced."""
-        self._moved: set[str] = set()
+        self._moved: dict[str, sapien.Entity] = {}  # SAPIEN goes on naming them in contacts, removed ones too
         self._pressed: dict[str, float] = {}
         self._feeling = max(1, round(FEELING / spec.dt))
         self.faults = Faults(spec.faults, spec.seed, self)
-        links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
+        links = [Target(link, link.name, c) for each in self.articulated.values() for link, c in each.links.items()]
         seen = [*still, *self._robot_targets(), *map(self._object_target, spec.objects), *links]
         self._shaking = self._watch()
         self.cameras = Rig(spec, seen, self._links, self.faults, self._scene)
@@ -148,7 +144,7 @@ class World:
         body = self._object(name)
         set_moving(body, np.array([*pose.position, *pose.quaternion, *np.zeros(6)]))
         body.wake_up()
-        self._moved.add(name)
+        self._moved[name] = body.entity
         self._pressed.clear()
 
     def spawn(self, spec: ObjectSpec) -> None:
@@ -160,7 +156,9 @@ class World:
 
     def remove(self, name: str) -> None:
         """Take an object away. Raises UnknownNameError where there is no such object."""
-        self._object(name).entity.remove_from_scene()
+        self._moved[name] = entity = self._object(name).entity
+        entity.remove_from_scene()
+        self._pressed.clear()
         self.faults.forget(name)
         del self._objects[name]
         self._liquids.remove(name)
@@ -203,7 +201,7 @@ class World:
         """Yield the contacts of the last step that carry a force; those of objects moved since then are void."""
         for contact in self._scene.get_contacts():
             one, two = (body.entity.name for body in contact.bodies)
-            if self._force(contact) > TOUCH and self._moved.isdisjoint((one, two)):
+            if self._force(contact) > TOUCH and self._moved.keys().isdisjoint((one, two)):
                 x, y, z = (_impulse(contact) / self.spec.dt).tolist()
                 yield Contact(one, two, (x, y, z))
 
@@ -247,7 +245,9 @@ class World:
     def pressed(self, hand: str) -> float:
         """Return how hard a hand presses on objects [N], as felt last: half of all forces, as sides are opposed."""
         if hand not in self._pressed:
-            self._pressed[hand] = sum(self._force(contact) for _, _, contact in self._holding(hand)) / 2
+            impulses = [_impulse(contact) for _, _, contact in self._holding(hand)]
+            pushes = np.sqrt(np.array([impulse.dot(impulse) for impulse in impulses], np.float32)).tolist()
+            self._pressed[hand] = sum(push / self.spec.dt for push in pushes) / 2
         return self._pressed[hand]
 
     def _force(self, contact: physx.PhysxContact) -> float:
@@ -255,20 +255,18 @@ class World:
         return float(np.sqrt(impulse.dot(impulse))) / self.spec.dt
 
     def _holding(self, hand: str) -> Iterator[tuple[Any, Any, physx.PhysxContact]]:
-        """Yield the contacts of a hand's links and objects, with the link and the body."""
-        for link, body, contact in self._touching(hand):
-            if (name := body.entity.name) in self._objects or name in self._mechanisms:
-                yield link, body, contact
+        """Yield the contacts of a hand's links and what isn't fixed, with the link and the body."""
+        return (each for each in self._touching(hand) if type(each[1]) is not physx.PhysxRigidStaticComponent)
 
     def _touching(self, hand: str) -> Iterator[tuple[Any, Any, physx.PhysxContact]]:
         """Yield the contacts of a hand's links with what isn't the robot, with the link and the body."""
-        fingers = self._fingers.get(hand, ())
+        fingers, own, moved = self._fingers.get(hand, ()), self._own, self._moved
         for contact in self._scene.get_contacts():
             one, two = contact.bodies
             if (one in fingers) == (two in fingers):
                 continue  # names take their time, and most contacts are of others
             link, body = (one, two) if one in fingers else (two, one)
-            if body not in self._own and not (self._moved and body.entity.name in self._moved):
+            if body not in own and not (moved and body.entity.name in moved):
                 yield link, body, contact
 
     def measures(self) -> dict[str, float]:
@@ -390,7 +388,11 @@ def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
 
 
 def _impulse(contact: physx.PhysxContact) -> Array:
-    return reduce(add, [point.impulse for point in contact.points])
+    points = contact.points
+    impulse = points[0].impulse
+    for point in points[1:]:
+        impulse = impulse + point.impulse
+    return impulse
 
 
 def _pose(pose: sapien.Pose) -> Pose:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -49,6 +51,15 @@ def test_what_is_removed_is_neither_seen_nor_touched_nor_disturbed():
         world.object_pose("can")
     world.spawn(CAN)
     assert [spec.name for spec in world.spec.objects] == ["can"]
+
+
+def test_what_is_removed_while_it_is_touched_is_touched_no_longer():
+    world = advanced(made(replace(CAN, position=(0.6, 0.0, 0.05))), 60)
+    assert [contact for contact in world.contacts() if "can" in contact[:2]]
+    world.remove("can")
+    assert not [contact for contact in world.contacts() if "can" in contact[:2]]
+    world.spawn(CAN)
+    assert not [contact for contact in world.contacts() if "can" in contact[:2]]
 
 
 def test_names_stay_unique():

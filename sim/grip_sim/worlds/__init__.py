@@ -131,6 +131,7 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "", models: 
         cameras=tuple(camera_of(name, camera) for name, camera in world.cameras.items()),
         floor=world.floor,
         fallen_below=world.fallen_below,
+        dt=world.dt,
         judge=world.judge,
         faults=world.faults,
         articulated=world.articulated,

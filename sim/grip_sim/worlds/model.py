@@ -188,6 +188,8 @@ class WorldFile(Settings):
     """Height of the floor [m]."""
     fallen_below: Finite = -0.05
     """An object whose centre is lower has fallen [m]."""
+    dt: Annotated[float, Field(gt=0, le=0.01)] = 1 / 240
+    """Time step of the physics [s]; what a smaller one changes was the step's doing."""
 
     @model_validator(mode="after")
     def _known_regions(self) -> WorldFile:
