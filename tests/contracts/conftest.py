@@ -154,23 +154,23 @@ def joined_fake_executors() -> Iterator[ExecutorRig]:
     yield ExecutorRig(JoinedExecutor(*parts), clock.advance, JointState(("a", "b"), [0.6, 0.1]), exact=True)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def ros_robot() -> Iterator[Any]:
-    """Return a bus and the joint states of one robot for all tests."""
+    """Return a bus and the joint states of one robot for the tests of a file, which alone bear what it costs."""
     with controllers() as made:
         yield made
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def ros_move_group() -> Iterator[Any]:
-    """Return a bus and the joint states of one move_group for all tests."""
+    """Return a bus and the joint states of one move_group, likewise."""
     with move_group() as made:
         yield made
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def served_robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """Return a served world, a bus and its controllers for all tests."""
+    """Return a served world, a bus and its controllers, likewise."""
     with served_world(tmp_path_factory.mktemp("served")) as made:
         yield made
 
