@@ -181,7 +181,8 @@ def test_a_hand_feels_what_it_holds_and_what_slides_in_it(rig):
     assert max(rig.port.slips().values(), default=0.0) < 5e-3
     rig.slide()
     assert max(rig.port.slips().values()) > 5e-3
-    assert set(rig.port.slips()) <= set(rig.port.contacts())
+    # Two topics are of two moments.
+    until(lambda: set(rig.port.slips()) <= set(rig.port.contacts()), "what slides touches nothing")
 
 
 def test_a_wrist_feels_a_load(rig):
