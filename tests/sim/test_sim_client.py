@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import select
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from patience import PATIENCE
+from patience import PATIENCE, until
 
 from grip_bt.base.errors import GripError, SimulatorLostError
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError
@@ -150,6 +152,22 @@ def test_a_simulator_that_owes_an_answer_and_says_nothing_is_lost(client, monkey
     client.played.answer(0)  # the reader waits anew, now with the short patience
     with pytest.raises(SimulatorLostError, match="said nothing for"):
         ended(operation).result()
+
+
+def test_what_is_asked_for_at_the_end_of_a_long_silence_is_not_late(client, monkeypatch):
+    asked = []
+
+    def silence(*given):
+        if asked:
+            return select.select(*given)
+        asked.append(client.request("a"))
+        return [], [], []
+
+    monkeypatch.setattr(client_module, "select", SimpleNamespace(select=silence))
+    client.played.answer(0)  # the reader waits anew
+    client.played.answer(client.played.asked()["id"])
+    until(lambda: asked)
+    ended(asked[0]).result()
 
 
 def test_after_closing_everything_fails_and_closing_again_is_harmless(client):
