@@ -12,8 +12,9 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.runtime import Event, JournalReader, RunRecord
 
-from .export_mcap import COLUMNS, write_mcap
+from .export_mcap import write_mcap
 from .export_rerun import write_rerun
+from .foxglove import COLUMNS
 
 
 def export_run(reader: JournalReader, run: str, file: Path, to: str) -> int:
