@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -11,7 +13,7 @@ from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.types import parse_type
 from grip_bt.base.yaml.models import Identifier, RosName, Settings, exactly_one
 from grip_bt.task.catalog.component_file import Kind, Start
-from grip_bt.task.catalog.manifest import Manifest, OutputPort, Parameter
+from grip_bt.task.catalog.manifest import Manifest, OutputPort, read_manifests
 
 MESSAGES = {
     "PointCloud": "sensor_msgs/msg/PointCloud2",
@@ -94,16 +96,10 @@ class SensorConfig(Settings):
         return self
 
 
-_VIEW = {
-    "max_hidden": Parameter(type="float", default=0.1, doc="share of the view that the robot may hide, 0..1"),
-    "region": Parameter(
-        type="list[float]",
-        default=[],
-        doc="part of the view that counts: x from, x to, y from, y to [m]; empty for all",
-    ),
-    "table": Parameter(type="float", default=0.0, doc="height of the region in world [m]"),
-}
-"""Parameters of a camera's node that say which view is good enough."""
+@cache
+def _camera() -> Manifest:
+    (found,) = read_manifests(Path(__file__).with_name("camera.yaml"))
+    return found
 
 
 def sensor_manifest(name: str, sensor: SensorConfig | None = None) -> Manifest:
@@ -114,28 +110,8 @@ def sensor_manifest(name: str, sensor: SensorConfig | None = None) -> Manifest:
     """
     if sensor is not None and sensor.topics:
         return _of_topics(name, sensor)
-    return Manifest(
-        id=f"sensor/{name}",
-        doc=(
-            f"Take one RGB-D frame with the sensor `{name}`. Fails with `view_blocked` when the robot hides too much of"
-            " the view."
-        ),
-        implementation="grip_bt.nodes.perception:Capture",
-        parameters=FrozenDict(_VIEW),
-        outputs=FrozenDict(
-            {
-                "frame": OutputPort(type="RgbdFrame", doc="colour and depth of one moment"),
-                "points": OutputPort(
-                    type="PointCloud", doc="the seen points in the frame of the camera's pose, without the robot's own"
-                ),
-                "hidden": OutputPort(
-                    type="float", on=("success", "failure"), doc="share of the view that the robot hides, 0..1"
-                ),
-            }
-        ),
-        codes=("view_blocked", "no_data", "time_out", "canceled"),
-        settings=FrozenDict({"sensor": name}),
-    )
+    own = {"id": f"sensor/{name}", "doc": _camera().doc.replace("NAME", name), "settings": FrozenDict({"sensor": name})}
+    return _camera().model_copy(update=own)
 
 
 def _of_topics(name: str, sensor: SensorConfig) -> Manifest:
