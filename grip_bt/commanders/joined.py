@@ -19,11 +19,7 @@ from grip_bt.base.values import JointState, Plan, Trajectory
 
 
 def require_joints(names: Sequence[str], allowed: Sequence[str], arm: str) -> None:
-    """Verify that an arm has the joints that are named.
-
-    Raises:
-        UnknownNameError: it lacks one.
-    """
+    """Verify that an arm has the joints that are named. Raises UnknownNameError: it lacks one."""
     for name in names:
         if name not in allowed:
             raise UnknownNameError("joint", name, allowed, where=f"arm {arm!r}")

@@ -54,11 +54,7 @@ class Source:
 
 
 def read_source(path: Path) -> Source:
-    """Read a Python file of any age.
-
-    Raises:
-        DocumentError: it can't be read, or is neither Python 3 nor Python 2.
-    """
+    """Read a Python file of any age. Raises DocumentError: it can't be read, or is neither Python 3 nor Python 2."""
     try:
         with tokenize.open(path) as file:
             text = file.read()

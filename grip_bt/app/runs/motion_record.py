@@ -68,11 +68,7 @@ class Moment:
 
 
 def moments(motion: Path, model: RobotModel) -> Iterator[Moment]:
-    """Read how a robot and its scene moved.
-
-    Raises:
-        OSError: there is no such file.
-    """
+    """Read how a robot and its scene moved. Raises OSError: there is no such file."""
     joints, state, bodies = dict[str, list[str]](), dict[str, float](), dict[str, Mapping[str, str]]()
     for line in map(json.loads, motion.read_text(encoding="utf-8").splitlines()):
         joints |= line.get("parts", {})

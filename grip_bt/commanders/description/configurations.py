@@ -101,11 +101,7 @@ class Configurations:
         return []
 
     def fitted(self, chosen: Alternative) -> Fitted:
-        """Return an alternative with the URDF that fits it best.
-
-        Raises:
-            DocumentError: none does.
-        """
+        """Return an alternative with the URDF that fits it best. Raises DocumentError: none does."""
         best: Fitted | None = None
         failed: DocumentError | None = None
         candidates = [chosen.urdf] if chosen.urdf is not None else self._urdfs(chosen.name)[:TRIES]

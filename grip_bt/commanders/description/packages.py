@@ -92,11 +92,7 @@ class Packages:
         self._below: dict[Path, dict[str, Path]] = {}
 
     def find(self, name: str) -> Path:
-        """Return a package's folder.
-
-        Raises:
-            MissingPartError: there is no such package.
-        """
+        """Return a package's folder. Raises MissingPartError: there is no such package."""
         if name == OWN.name:  # in a checkout, too, whose package.xml has the name and lies one folder higher
             return OWN
         if name in self.given:

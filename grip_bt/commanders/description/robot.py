@@ -154,21 +154,13 @@ class RobotDescription:
         return JointState(tuple(positions), tuple(positions.values()))
 
     def group(self, name: str) -> tuple[str, ...]:
-        """Return the joints of a group.
-
-        Raises:
-            UnknownNameError: there is no such group.
-        """
+        """Return the joints of a group. Raises UnknownNameError: there is no such group."""
         if name not in self.groups:
             raise UnknownNameError("group", name, self.groups, where=f"robot {self.name}")
         return self.groups[name]
 
     def named_state(self, group: str, name: str) -> JointState:
-        """Return a named state of a group.
-
-        Raises:
-            UnknownNameError: there is no such group or state.
-        """
+        """Return a named state of a group. Raises UnknownNameError: there is no such group or state."""
         self.group(group)
         states = self.named_states.get(group, {})
         if name not in states:

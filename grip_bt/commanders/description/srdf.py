@@ -62,11 +62,7 @@ class Srdf:
 
 
 def read_srdf(robot: ET.Element, source: str = "") -> Srdf:
-    """Return what an SRDF's tree says.
-
-    Raises:
-        DocumentError: a name is missing, or a position isn't a number.
-    """
+    """Return what an SRDF's tree says. Raises DocumentError: a name is missing, or a position isn't a number."""
     groups: dict[str, Group] = {}
     doubled = []
     for element in robot.findall("group"):

@@ -119,11 +119,7 @@ APART = 0.05
 
 
 def solver(name: str) -> Solutions:
-    """Return a solver; what it yields is distinct.
-
-    Raises:
-        UnknownNameError: there is no such solver.
-    """
+    """Return a solver; what it yields is distinct. Raises UnknownNameError: there is no such solver."""
     if name not in SOLVERS:
         raise UnknownNameError("kinematics solver", name, SOLVERS)
     find = SOLVERS[name]

@@ -37,11 +37,7 @@ JUMP = 0.35
 
 
 def world_pose(pose: Pose) -> pin.SE3:
-    """Return a pose of the grasp frame as the chains have it.
-
-    Raises:
-        ValueError: it isn't given in world.
-    """
+    """Return a pose of the grasp frame as the chains have it. Raises ValueError: it isn't given in world."""
     check_frame(pose, "world")
     return pin.SE3(pose.matrix())
 

@@ -69,11 +69,7 @@ _adapter = cache(lambda: TypeAdapter[AnyCommand](Command))
 
 
 def command_of(data: object) -> AnyCommand:
-    """Return the command that JSON-like data describes.
-
-    Raises:
-        EditError: it describes none.
-    """
+    """Return the command that JSON-like data describes. Raises EditError: it describes none."""
     try:
         return _adapter().validate_python(data)
     except ValidationError as error:
@@ -99,11 +95,7 @@ class Applied:
 
 
 def apply(task: Task, command: AnyCommand) -> Applied:
-    """Return the task after a command.
-
-    Raises:
-        EditError: the command can't be carried out; nothing has changed.
-    """
+    """Return the task after a command. Raises EditError: the command can't be carried out; nothing has changed."""
     if isinstance(command, Group):
         steps: tuple[Step, ...] = ()
         for part in command.commands:

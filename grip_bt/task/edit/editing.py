@@ -40,11 +40,7 @@ class Draft:
         return current  # type: ignore[no-any-return]
 
     def apply(self, step: Step) -> None:
-        """Do one step.
-
-        Raises:
-            EditError: an entry isn't there, or is there already; nothing is changed.
-        """
+        """Do one step. Raises EditError: an entry isn't there, or is there already; nothing is changed."""
         inside = self.mapping(step.at)
         if isinstance(step, Put):
             _expect(inside, step.at, step.key, False)

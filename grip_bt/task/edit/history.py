@@ -131,11 +131,7 @@ class History:
         return moment.steps
 
     def go(self, number: int) -> tuple[Step, ...]:
-        """Go to any moment, over undo and redo; return the way there.
-
-        Raises:
-            EditError: there is no such moment.
-        """
+        """Go to any moment, over undo and redo; return the way there. Raises EditError: there is no such moment."""
         if number not in self._moments:
             forgotten = " any more" if 0 <= number < self._next else ""
             raise EditError("", f"there is no revision {number}{forgotten}; the last is {max(self._moments)}")
