@@ -19,7 +19,7 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.base.errors import NotWritableError, nearest, plural
 from grip_bt.cli import STOPPED, terminal
 from grip_bt.cli.parser import add_no_code, whole
-from grip_bt.cli.terminal import on_stop
+from grip_bt.cli.signals import on_stop
 
 
 def add_bench(parser: argparse.ArgumentParser) -> None:

@@ -20,7 +20,7 @@ from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 
 FORMATS = {
-    "svg": "grip_bt.formats.draw:to_svg",
+    "svg": "grip_bt.formats.draw.svg:to_svg",
     "dot": "grip_bt.formats.draw:to_dot",
     "mermaid": "grip_bt.formats.draw:to_mermaid",
     "pytrees-py": "grip_bt.formats.standalone:export",

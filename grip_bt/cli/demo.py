@@ -17,7 +17,8 @@ from grip_bt.app.wiring.parts import silent
 from grip_bt.base.values import Failure
 from grip_bt.cli.bench import add_bench, run_bench
 from grip_bt.cli.run import add_run_options, exit_status, options_of, tell_end, tell_failures
-from grip_bt.cli.terminal import on_hang_up, on_stop, progress
+from grip_bt.cli.signals import on_hang_up, on_stop
+from grip_bt.cli.terminal import progress
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime.control import RunEnd, result_facts
 

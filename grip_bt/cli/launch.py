@@ -17,7 +17,8 @@ from grip_bt.app.wiring.parts import load_part
 from grip_bt.base.errors import GripError
 from grip_bt.cli import NODE_ERROR, STOPPED
 from grip_bt.cli.parser import add_no_code, number
-from grip_bt.cli.terminal import complain, on_stop, progress, tell
+from grip_bt.cli.signals import on_stop
+from grip_bt.cli.terminal import complain, progress, tell
 from grip_bt.ros.process_group import Member, ProcessGroup, member_of
 from grip_bt.task.catalog.component_file import ProcessConfig
 

@@ -17,11 +17,12 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.wiring.parts import report_if_slow
 from grip_bt.base.errors import GripError, plural
 from grip_bt.base.failures import ServerLostError, ServerTimeOutError
-from grip_bt.base.message_store.files import plain_of, text_of
+from grip_bt.base.message_store.text import plain_of, text_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.cli.parser import add_actions
-from grip_bt.cli.terminal import on_stop, tell
+from grip_bt.cli.signals import on_stop
+from grip_bt.cli.terminal import tell
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.types import type_name
 from grip_bt.ros.messages.service import MessageServer, RosMessages

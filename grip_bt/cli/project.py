@@ -15,7 +15,7 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.files import replace_text
 from grip_bt.cli.parser import STAND_INS, add_no_code
-from grip_bt.cli.terminal import on_hang_up
+from grip_bt.cli.signals import on_hang_up
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.formats.pytrees import import_from_code
 from grip_bt.nodes.tree_code import is_tree_code, place_of

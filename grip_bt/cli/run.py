@@ -21,7 +21,8 @@ from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.app.wiring.parts import silent
 from grip_bt.cli import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
 from grip_bt.cli.parser import STAND_INS, add_no_code, number, whole
-from grip_bt.cli.terminal import on_stop, progress, tell
+from grip_bt.cli.signals import on_stop
+from grip_bt.cli.terminal import progress, tell
 from grip_bt.runtime import JournalReader, RunResult, serve_control
 from grip_bt.runtime.control import RunEnd, result_facts
 from grip_sim.faults import read_faults

@@ -10,7 +10,7 @@ from grip_bt.app.runs.served_tasks import ServedTasks
 from grip_bt.ros.interfaces.build import shell_setup
 from grip_bt.ros.task_server import serve_tasks
 
-from .terminal import on_hang_up
+from .signals import on_hang_up
 
 
 def add_serve(parser: argparse.ArgumentParser) -> None:

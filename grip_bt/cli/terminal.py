@@ -1,13 +1,12 @@
-"""The terminal as a command finds it: its streams, whatever state they are in, and signals that end a command."""
+"""The terminal as a command finds it: its streams, whatever state they are in, and what is written there."""
 
 from __future__ import annotations
 
 import json
 import os
-import signal
 import sys
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from typing import Any, Self, TextIO
 
@@ -61,10 +60,10 @@ def _filled(data: Any) -> Any:
 def give_up() -> None:
     """Let nothing be written to stdout any more, also not what is still to be, which can't be."""
     with suppress(OSError, ValueError):  # a stand-in of a test has no number
-        _to_nowhere(sys.stdout)
+        to_nowhere(sys.stdout)
 
 
-def _to_nowhere(stream: TextIO) -> None:
+def to_nowhere(stream: TextIO) -> None:
     null = os.open(os.devnull, os.O_RDWR)
     os.dup2(null, stream.fileno())
     os.close(null)
@@ -131,40 +130,3 @@ class Bar:
     def __call__(self, done: int, every: int, name: str = "") -> None:
         """Say how many of all are done, and what is under way."""
         self._bar.update(self._part, completed=done, total=every, name=name)
-
-
-def on_stop(stop: Callable[[], object]) -> None:
-    """Call `stop()` at each of them; see `on_hang_up`."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop())
-    on_hang_up(stop)
-
-
-def on_hang_up(stop: Callable[[], object]) -> None:
-    """Call `stop()` when the terminal has gone; with `nohup`, which has SIGHUP ignored, that stays so.
-
-    Nothing more is written to the terminal then: what is printed goes nowhere, and raises nothing.
-    """
-
-    def hung_up(*_: object) -> None:
-        for stream in (sys.stdin, sys.stdout, sys.stderr):
-            with suppress(OSError, ValueError, AttributeError):
-                if os.isatty(stream.fileno()) or _is_dead(stream.fileno()):
-                    _to_nowhere(stream)
-        stop()
-
-    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
-        signal.signal(signal.SIGHUP, hung_up)
-
-
-def _is_dead(number: int) -> bool:
-    """Tell whether a file descriptor is of a terminal that has gone, of which `isatty` says no."""
-    try:
-        device = os.fstat(number).st_rdev
-    except OSError:
-        return True
-    return bool(device) and os.major(device) in _TERMINALS
-
-
-_TERMINALS = (4, 5, *range(136, 144))
-"""Major numbers of devices that are terminals, https://www.kernel.org/doc/Documentation/admin-guide/devices.txt."""

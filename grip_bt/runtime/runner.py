@@ -31,7 +31,6 @@ from .recording import PREEMPT, NewEvents
 from .result import RunResult, RunStatus, own_labels
 from .stopping import (
     EndedObserver,
-    Watchdog,
     Zombie,
     code_running,
     in_background,
@@ -41,6 +40,7 @@ from .stopping import (
     still_moving,
     terminate_outside,
 )
+from .tick_watchdog import Watchdog
 
 INSIST = 0.03
 """How long [s] after a stop the run may take to end by itself before leaves are terminated from another thread."""

@@ -125,7 +125,8 @@ def test_the_parts_of_a_simulated_run_dont_either(hostile: Path) -> None:
 
 def test_the_pages_processes_dont_either(hostile: Path) -> None:
     pytest.importorskip("fastapi")
-    from grip_gui.setup.robot_facts import geometry, robot_facts
+    from grip_gui.setup.robot_drawing import geometry
+    from grip_gui.setup.robot_facts import robot_facts
 
     assert robot_facts("robot.urdf.xacro", hostile)["links"]
     geometry("robot.urdf.xacro", {}, hostile)

@@ -14,7 +14,7 @@ PROGRAM = """
 import os, signal, sys, threading
 if {ignored}:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
-from grip_bt.cli.terminal import on_stop
+from grip_bt.cli.signals import on_stop
 over = threading.Event()
 on_stop(over.set)
 os.write({told}, b"ready")

@@ -10,7 +10,7 @@ from grip_bt.app.project.folder import ProjectFile
 from grip_bt.base.errors import InvalidRobotError, MissingPartError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.commanders.description.files import noting_files
+from grip_bt.commanders.description.file_cache import noting_files
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.packages import Packages
 from grip_bt.commanders.description.xml import expand

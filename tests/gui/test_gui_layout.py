@@ -6,7 +6,7 @@ from grip_bt.base.errors import DocumentError
 from grip_bt.task import read_text
 from grip_bt.task.edit import Move, Remove, Rename, Unwrap, Wrap, apply, apply_to_document
 from grip_bt.task.edit.steps import backwards
-from grip_gui.editing.files import Layout, layout_path, read_layout, write_layout
+from grip_gui.editing.layout import Layout, layout_path, read_layout, write_layout
 
 paths = st.from_regex(r"\A[a-z_][a-z /_-]{0,8}\Z") | st.just("/")
 spots = st.dictionaries(paths, st.tuples(st.integers(-(10**6), 10**6), st.integers(-(10**6), 10**6)), max_size=4)

@@ -14,7 +14,7 @@ from played import TASK, TestClient
 from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.base.errors import GripError
-from grip_bt.base.message_store.files import plain_of, text_of, value_of
+from grip_bt.base.message_store.text import plain_of, text_of, value_of
 from grip_bt.base.value_codec import snapshot
 from grip_bt.base.values import JointState, Pose
 from grip_bt.ros.environment import own_domain

@@ -27,7 +27,7 @@ from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.routes import last_state, make_live_router, motion_of
 from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
-from grip_gui.setup.robot_facts import geometry
+from grip_gui.setup.robot_drawing import geometry
 
 GRIP = "grip: 1\nrobot: panda_allegro\narms: {right: {group: arm, hand: palm}}\nhands: {palm: {group: hand}}\n"
 BEGAN = 9.5

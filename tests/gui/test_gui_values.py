@@ -16,7 +16,8 @@ from grip_bt.base.value_codec import snapshot
 from grip_bt.base.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
-from grip_gui.runs.journal import LARGEST, PLACES, POINTS, ROWS, cloud_view, drawn_cloud, drawn_depth, png, value_view
+from grip_gui.runs.drawings import LARGEST, drawn_cloud, drawn_depth, png
+from grip_gui.runs.values import PLACES, POINTS, ROWS, cloud_view, value_view
 
 
 def pixels_of(data: bytes) -> NDArray[np.uint8]:

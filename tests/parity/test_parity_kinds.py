@@ -19,7 +19,7 @@ from grip_bt.task.kinds.control import Control
 from grip_bt.task.kinds.once import Once
 from grip_bt.task.parts import Edges
 from grip_bt.task.validation.analysis import TaskAnalysis
-from grip_bt.task.validation.dataflow import PossibleOutcomes
+from grip_bt.task.validation.possible import PossibleOutcomes
 
 LOOKS = ("equal", "less", "true", "length", "order")
 SEEDS = range(int(os.environ.get("GRIP_FUZZ_KINDS", "150")))

@@ -65,7 +65,7 @@ def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_s
 @pytest.mark.ros
 @pytest.mark.slow
 def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, start_server):
-    from grip_bt.base.message_store.files import value_of
+    from grip_bt.base.message_store.text import value_of
     from grip_bt.base.values import JointState, Pose
     from grip_bt.commanders.description.load import build_robot
     from grip_bt.commanders.kinematics.model import RobotModel

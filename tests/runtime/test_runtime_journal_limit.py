@@ -11,7 +11,7 @@ import pytest
 from timed import ManualClock
 
 from grip_bt.runtime import Journal, JournalError, JournalReader
-from grip_bt.runtime.journal_rows import ROOM, prune, size_of
+from grip_bt.runtime.journal_room import ROOM, prune, size_of
 from grip_bt.runtime.observers import Recorder
 
 KIB = 1024
@@ -90,13 +90,13 @@ def test_a_run_that_is_under_way_stays_and_goes_on(file: Path) -> None:
 
 
 def test_what_is_written_while_runs_are_removed_is_kept(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from grip_bt.runtime import journal_rows
+    from grip_bt.runtime import journal_room
 
     shared = noise(7)
     with Journal(file) as journal:
         old = write(journal, shared)
         write(journal, noise(8))
-        size, looks, newer = journal_rows._in_use, [], []
+        size, looks, newer = journal_room._in_use, [], []
 
         def look(*args: Any) -> int:
             looks.append(size(*args))
@@ -104,7 +104,7 @@ def test_what_is_written_while_runs_are_removed_is_kept(file: Path, monkeypatch:
                 newer.append(write(journal, shared))
             return looks[-1]
 
-        monkeypatch.setattr(journal_rows, "_in_use", look)
+        monkeypatch.setattr(journal_room, "_in_use", look)
         pruned = prune(file, 130 * KIB)
     assert pruned.runs[0] == old
     assert newer[0] not in pruned.runs

@@ -12,7 +12,7 @@ from grip_bt.app.project.folder import ArmConfig, Project
 from grip_bt.app.project.worlds import checked_world
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import JointState
-from grip_bt.commanders.description.files import FileCache, note
+from grip_bt.commanders.description.file_cache import FileCache, note
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.scene_file import load_scene
 from grip_bt.commanders.settings import PLANNERS, SOLVERS

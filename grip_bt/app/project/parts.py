@@ -8,7 +8,7 @@ from grip_bt.app.project.folder import ARCHIVE, MESSAGES, Project
 from grip_bt.app.project.needs import nodes_in_need, packages_here
 from grip_bt.base.errors import DocumentError, GripError, MissingPartError, UnknownNameError
 from grip_bt.base.message_store import MessageLibrary, names
-from grip_bt.commanders.description.files import FileCache
+from grip_bt.commanders.description.file_cache import FileCache
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import Tree, joints_of_fingers, links_of_groups
 from grip_bt.commanders.taught import TaughtStates

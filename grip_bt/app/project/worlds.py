@@ -18,7 +18,7 @@ from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box
-from grip_bt.commanders.description.files import FileCache
+from grip_bt.commanders.description.file_cache import FileCache
 from grip_bt.commanders.scene_state import SceneObject
 from grip_sim.referee import ObjectTruth, Status
 from grip_sim.specs import WorldSpec

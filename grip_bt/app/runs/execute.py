@@ -33,7 +33,7 @@ from grip_bt.nodes.dry_run import dry_run, dry_run_of_tree
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
-from grip_bt.runtime.journal_rows import Pruned, prune, size_of
+from grip_bt.runtime.journal_room import Pruned, prune, size_of
 from grip_bt.task import Document, Task, Variable, dumps, read, read_text
 from grip_bt.task.model import Leaf, type_of, walk
 from grip_bt.task.validation import validate

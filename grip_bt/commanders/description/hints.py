@@ -13,7 +13,7 @@ from pathlib import Path
 
 from grip_bt.base.errors import DocumentError
 
-from .files import note
+from .file_cache import note
 from .packages import Packages
 from .xml import read_xml
 

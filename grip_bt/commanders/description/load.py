@@ -16,7 +16,8 @@ from grip_bt.commanders.description.packages import ROBOTS
 
 from .compose import in_one_world, namespaced, on_arm
 from .config import RobotConfig
-from .files import FileCache, errors, finding_of, note, robot_issue
+from .file_cache import FileCache, note
+from .files import errors, finding_of, robot_issue
 from .from_files import Inspected, load_single
 from .launched import is_launch_file, robot_of_launch
 from .robot import RobotDescription

@@ -14,7 +14,7 @@ from grip_bt.base.interpreter import python_command
 from grip_bt.base.values.pose import Pose, quaternion_of
 from grip_bt.base.xml import XmlElement, parse_xml
 
-from .files import note
+from .file_cache import note
 from .packages import Packages
 
 LARGEST = 64 * 1024 * 1024
@@ -52,11 +52,7 @@ def _rooted(text: bytes | str, root: str, source: str) -> XmlElement:
 
 
 def numbers(element: ET.Element, attribute: str, count: int, default: str, source: str = "") -> tuple[float, ...]:
-    """Return an attribute as finite numbers, of a given count.
-
-    Raises:
-        DocumentError: it isn't that.
-    """
+    """Return an attribute as finite numbers, of a given count. Raises DocumentError: it isn't that."""
     text = element.get(attribute, default)
     try:
         values = tuple(float(word) for word in text.split())
@@ -78,11 +74,7 @@ def origin_of(element: ET.Element, frame: str = "world") -> Pose:
 
 
 def required(element: ET.Element, attribute: str, source: str = "") -> str:
-    """Return an attribute that mustn't be missing or empty.
-
-    Raises:
-        DocumentError: it is.
-    """
+    """Return an attribute that mustn't be missing or empty. Raises DocumentError: it is."""
     value = element.get(attribute, "").strip()
     if not value:
         has = listing(element.keys(), "none at all")

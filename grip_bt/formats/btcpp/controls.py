@@ -7,7 +7,8 @@ from typing import Any
 
 from grip_bt.formats.blackboard import key_of
 
-from .drafts import ElementReader, Keys, NodeDraft, container, named, switch
+from .drafts import Keys, NodeDraft, container, named, switch
+from .reading import ElementReader
 
 Reader = Callable[[ElementReader], NodeDraft]
 

@@ -5,20 +5,9 @@ from __future__ import annotations
 from grip_bt.formats.blackboard import key_of, value_of_text
 
 from .controls import Reader, by_its_rules
-from .drafts import (
-    FAIL,
-    SUCCEED,
-    ElementReader,
-    NodeDraft,
-    container,
-    decorator,
-    failing,
-    sequence_of,
-    set_variable,
-    skip,
-    switch,
-)
-from .expressions import Scripts, after
+from .drafts import FAIL, SUCCEED, NodeDraft, container, decorator, failing, sequence_of, set_variable, skip, switch
+from .reading import ElementReader
+from .scripts import Scripts, after
 
 _ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": "skipped"}
 

@@ -27,8 +27,9 @@ from grip_bt.task.validation.dataflow import DataFlow
 
 from .controls import CONTROLS
 from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
-from .drafts import SKIPPED, SUCCEED, ElementReader, Keys, NodeDraft, Reading, Refused, Unequal, controlled
+from .drafts import SKIPPED, SUCCEED, Keys, NodeDraft, controlled
 from .leaves import Leaves, leaf_keys
+from .reading import ElementReader, Reading, Refused, Unequal
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
 _EXPLICIT = ("Action", "Condition", "Control", "Decorator")

@@ -11,7 +11,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store import STANDARD
-from grip_bt.base.message_store.files import text_of, value_of
+from grip_bt.base.message_store.text import text_of, value_of
 from grip_bt.base.values import Grasp, JointState, Pose
 
 from ..client.types import ConversionError, InterfaceType, Message, load_type, type_name
@@ -150,7 +150,7 @@ def value_from_text(
     """Return what a text says: the value of a standard store, or a message.
 
     Args:
-        text: YAML; see `grip_bt.base.message_store.files.value_of`.
+        text: YAML; see `grip_bt.base.message_store.text.value_of`.
         type_: the ROS type of its message, where the store isn't a standard one.
         states: asked for what the way-points of a trajectory can name.
 

@@ -15,8 +15,6 @@ from ..model import AnyNode, Name, Sequence, StateMachine, Task, children_of, ou
 from .editing import BaseCommand, Edit, expect_free, expect_room, path_in_words, slot
 from .variables import RenameVariable, declared_by, used_by
 
-_ANY = "Any"
-
 
 class Clip(BaseModel):
     """A copy of a node: what `clip_of` returns, a clipboard holds and `paste` takes."""
@@ -153,7 +151,7 @@ def _seen_from(task: Task, path: str, itself: bool = False) -> dict[str, object]
 
 
 def _declare(seen: dict[str, object], node: AnyNode) -> None:
-    seen.update({name: _ANY for name in declared_by(node)})
+    seen.update(dict.fromkeys(declared_by(node), "Any"))
     seen.update(getattr(node, "data", {}))
 
 

@@ -9,13 +9,16 @@ from grip_bt.task.document import Document
 
 from .analysis import TaskAnalysis
 from .codes import SEVERITY, STRUCTURAL
-from .dataflow import PossibleOutcomes, check_dataflow
+from .dataflow import check_dataflow
 from .expressions import check_expressions
-from .leaves import check_names, check_numbers, check_subtasks
+from .leaves import check_names, check_subtasks
+from .numbers import check_numbers
 from .outcomes import check_outcomes, check_reach
+from .parallels import check_parallel
 from .parts import check_foreign, check_messages, check_parts
+from .possible import PossibleOutcomes
 from .subtasks import Checked, Subtasks
-from .variables import check_parallel, check_variables
+from .variables import check_variables
 
 __all__ = ["SEVERITY", "structural_issues", "analyse", "validate"]
 

@@ -8,7 +8,7 @@ from grip_bt.base.errors import listing, nearest
 from grip_bt.base.evaluation import same_literal
 from grip_bt.task import Parallel, StateMachine, Switch, Task
 from grip_bt.task.model import Childless, default_outcome
-from grip_bt.task.validation.dataflow import PossibleOutcomes
+from grip_bt.task.validation.possible import PossibleOutcomes
 
 from .analysis import PlacedNode, TaskAnalysis
 from .codes import suggestion

@@ -13,15 +13,8 @@ from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Group, History, command_of, path_after, rewrite
 from grip_bt.task.edit.history import history_path, load_history, save_history
 from grip_bt.task.edit.steps import Remark, Shift, Step, path_of
-from grip_gui.editing.files import (
-    ChangedOnDiskError,
-    Layout,
-    StaleEditError,
-    TextFile,
-    UnfinishedTextError,
-    read_layout,
-    write_layout,
-)
+from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, TextFile, UnfinishedTextError
+from grip_gui.editing.layout import Layout, read_layout, write_layout
 
 log = logging.getLogger(__name__)
 KEPT = 1000  # so many edits back an edit of a page that was late is still carried over

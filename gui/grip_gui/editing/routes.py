@@ -20,7 +20,8 @@ from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, ChangeKind, Convert, Extract, Group, command_of
 from grip_bt.task.edit.steps import Step
 from grip_gui.editing.conversion import conversion_view, forms_view
-from grip_gui.editing.files import StaleEditError, TextFile, layout_path, recovery_of
+from grip_gui.editing.files import StaleEditError, TextFile, recovery_of
+from grip_gui.editing.layout import layout_path
 from grip_gui.editing.open_document import OpenDocument
 from grip_gui.editing.projection import catalog_view
 from grip_gui.editing.views import (

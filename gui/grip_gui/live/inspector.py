@@ -13,7 +13,7 @@ import numpy as np
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ExpectedError
-from grip_bt.base.message_store.files import fields_of
+from grip_bt.base.message_store.text import fields_of
 from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.graph import topics
@@ -24,7 +24,7 @@ from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
 from grip_bt.ros.messages.wire import entry_rows, pack, text_of_entry
 from grip_bt.task.catalog.ros_config import MESSAGES
-from grip_gui.runs.journal import ROWS, value_view
+from grip_gui.runs.values import ROWS, value_view
 from grip_gui.wire.runs import ValueView
 
 APPEARS = 2.0  # how long a server of messages may take to be found [s]

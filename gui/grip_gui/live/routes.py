@@ -26,7 +26,7 @@ from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
 from grip_gui.setup.kinds import JOINT_STATES, POSES, kind_of
-from grip_gui.setup.robot_facts import geometry
+from grip_gui.setup.robot_drawing import geometry
 from grip_gui.setup.settings_store import keep_text
 from grip_gui.wire import live as wire
 from grip_gui.wire.live import ComponentForm, MotionSample, MotionView, RequestPort, Sample

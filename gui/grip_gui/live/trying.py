@@ -19,7 +19,7 @@ from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening
 from grip_bt.base.errors import DocumentError, GripError, MissingPartError, UnknownNameError
 from grip_bt.base.message_store import MessageLibrary
-from grip_bt.base.message_store.files import fields_of, text_of
+from grip_bt.base.message_store.text import fields_of, text_of
 from grip_bt.base.ports import Arm, Hand
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.yaml.tree import parse, to_data

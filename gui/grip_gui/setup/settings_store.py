@@ -15,7 +15,7 @@ from ruamel.yaml.error import YAMLError
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError, nearest
-from grip_bt.base.message_store.files import text_of
+from grip_bt.base.message_store.text import text_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue, entries_of, parse, to_data
@@ -69,11 +69,7 @@ class SettingsStore:
         return self._view(request.path, text, "")
 
     def save(self, request: SetupSave) -> SetupView:
-        """Write a text.
-
-        Raises:
-            ChangedOnDiskError: somebody else has changed the file since it was opened.
-        """
+        """Write a text. Raises ChangedOnDiskError: somebody else has changed the file since it was opened."""
         kind_of(request.path)
         file = TextFile(self.folder.settings_file(request.path), request.path)
         file.known = request.known

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.yaml.models import read_model
-from grip_bt.commanders.description.files import note
+from grip_bt.commanders.description.file_cache import note
 
 from .model import ObjectFile
 from .solids import extent_of

@@ -18,7 +18,7 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.values import Pose
 from grip_bt.base.values.pose import angles_of
 from grip_bt.base.yaml.models import read_model
-from grip_bt.commanders.description.files import note
+from grip_bt.commanders.description.file_cache import note
 from grip_sim.articulated.model import ArticulatedConfig
 from grip_sim.objects import file_named, files_by_name, measures_of, object_file
 from grip_sim.specs import BoxSpec, CameraSpec, Colour, MeshSpec, ObjectSpec, RegionSpec, WorldSpec, open_box, upright

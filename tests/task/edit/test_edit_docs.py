@@ -3,7 +3,7 @@ from pathlib import Path
 from typing import get_args
 
 from grip_bt.task.edit import AnyCommand
-from grip_gui.editing.files import read_layout, write_layout
+from grip_gui.editing.layout import read_layout, write_layout
 
 PAGE = (Path(__file__).parents[3] / "docs" / "editing.md").read_text()
 
