@@ -11,11 +11,11 @@ import numpy as np
 from grip_bt.base.failures import CanceledError, ExpectedError, NoGraspError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Hand
-from grip_bt.base.steps import Steps
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.nodes.arm import ArmLeaf
 from grip_bt.nodes.leaf import Leaf, Status
-from grip_bt.nodes.motion import first_of, go, go_straight
+from grip_bt.nodes.motion import first_of, go, go_straight, leaving
 from grip_bt.nodes.objects import HELD, SEEN, TABLE_GAP, free_name, object_at, objects_near, rename
 
 
@@ -86,11 +86,9 @@ _SAME_DIRECTION = np.radians(20)
 
 def same_grasp(one: Grasp, other: Grasp) -> bool:
     """Tell whether two grasps put the hand within 2 cm and 20 degrees of each other."""
-    if np.linalg.norm(one.pose.position - other.pose.position) > _SAME_PLACE:
-        return False
-    between = one.pose.rotation().T @ other.pose.rotation()
-    angle = np.arccos(np.clip((np.trace(between) - 1) / 2, -1, 1))
-    return bool(angle <= _SAME_DIRECTION)
+    way = one.pose.inverse() @ other.pose
+    near = np.linalg.norm(way.position) <= _SAME_PLACE
+    return bool(near and np.linalg.norm(way.rotation_vector()) <= _SAME_DIRECTION)
 
 
 class Choose(ArmLeaf):
@@ -147,7 +145,7 @@ class ArmHandLeaf(ArmLeaf):
 class Lift(ArmHandLeaf):
     """Lift straight to the post-grasp; the object at the grasp, if the scene has one, moves along from now on."""
 
-    def start(self) -> Operation[JointState]:
+    def start(self) -> Steps[JointState]:
         grasp: Grasp = self.read("grasp")
         scene = self.context.scene()
         target = object_at(scene, grasp)
@@ -155,7 +153,7 @@ class Lift(ArmHandLeaf):
             held = HELD + self.hand.name
             rename(scene, target, held)
             scene.attach(held, self.hand.name)
-        return go_straight(self.arm, [grasp.post_grasp])
+        return leaving(self.arm, grasp.post_grasp, scene)
 
 
 class Retreat(ArmHandLeaf):
@@ -187,7 +185,7 @@ class Retreat(ArmHandLeaf):
         for offset in (back, np.array([0.0, 0.0, self.params["height"]])):
             start = self.arm.grasp_pose()
             goals, ignore = [start.moved(offset * part) for part in (1.0, 0.5, 0.25)], objects_near(scene, start)
-            ways = (partial(go_straight, self.arm, [goal], scene, ignore) for goal in goals)
+            ways = (partial(run_steps, leaving(self.arm, goal, scene, ignore)) for goal in goals)
             yield from self._attempt(first_of(ways), errors)
         return errors
 

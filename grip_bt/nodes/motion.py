@@ -15,7 +15,7 @@ from typing import Literal, TypeVar
 import numpy as np
 from pydantic import model_validator
 
-from grip_bt.base.failures import CanceledError, ExpectedError, NoPlanError, SensorError
+from grip_bt.base.failures import CanceledError, ExpectedError, NoPlanError, PathInvalidError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm, Context, Scene
 from grip_bt.base.steps import Steps, run_steps
@@ -39,21 +39,40 @@ def go(arm: Arm, goal: JointState | Pose | str, constraint: PathConstraint | Non
 def go_straight(
     arm: Arm, goals: Sequence[Pose], scene: Scene | None = None, ignore: Sequence[str] = ()
 ) -> Operation[JointState]:
-    """Move the grasp frame along straight lines through `goals`; the plan doesn't see the objects named in `ignore`."""
-    if scene is None or not ignore:
-        return arm.plan_straight(goals).then(arm.execute)
-    return without(scene, ignore, lambda: arm.plan_straight(goals)).then(arm.execute)
+    """Move the grasp frame along straight lines through `goals`.
 
-
-def without(scene: Scene, names: Sequence[str], plan: Callable[[], Operation[T]]) -> Operation[T]:
-    """Start an operation for which the scene lacks some objects; they are back when it ends.
-
-    Attached objects and names that aren't in the scene are left as they are.
+    The plan doesn't see the objects of the scene that `ignore` names, but for attached ones.
     """
-    taken = {name: scene.solid(name) for name in names if name in scene.names()}
+    if scene is None:
+        return arm.plan_straight(goals).then(arm.execute)
+    taken = {name: scene.solid(name) for name in ignore if name in scene.names()}
     for name in taken:
         scene.remove(name)
-    return _restoring(scene, taken, plan)
+    return _restoring(scene, taken, lambda: arm.plan_straight(goals)).then(arm.execute)
+
+
+OFF = 0.01
+"""How far a hand may go in contact with what it touched where it was [m]."""
+
+
+def leaving(arm: Arm, goal: Pose, scene: Scene, ignore: Sequence[str] = ()) -> Steps[JointState]:
+    """Go straight; where that begins in contact, as fingers that press have with a table, it may for a centimetre."""
+    try:
+        return (yield go_straight(arm, [goal], scene, ignore))
+    except PathInvalidError as error:
+        touched = error.data.get("pairs", ())
+        if error.data.get("fraction") != 0:
+            raise
+    here = arm.grasp_pose()
+    way = goal.position - here.position
+    for one, other in touched:
+        scene.allow(one, other)
+    try:
+        yield go_straight(arm, [here.moved(OFF * way / np.linalg.norm(way))], scene, ignore)
+    finally:
+        for one, other in touched:
+            scene.allow(one, other, allowed=False)
+    return (yield go_straight(arm, [goal], scene, ignore))
 
 
 def widened(scene: Scene, names: Sequence[str], by: float, plan: Callable[[], Operation[T]]) -> Operation[T]:

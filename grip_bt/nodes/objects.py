@@ -29,17 +29,12 @@ def distances_to_box(points: ArrayLike, size: ArrayLike, pose: Pose) -> NDArray[
     return away
 
 
-def _distance_to_box(point: ArrayLike, size: ArrayLike, pose: Pose) -> float:
-    return float(distances_to_box(np.atleast_2d(np.asarray(point, dtype=float)), size, pose)[0])
-
-
 def object_at(scene: Scene, grasp: Grasp, within: float = 0.03) -> str | None:
     """Return the seen object that a grasp takes, or None when there is none `within` [m] of where it closes."""
     seen = [(n, *scene.box(n)) for n in scene.names() if n.startswith(SEEN)]
     for point in grasp.closing_points():
-        distance, name = min(
-            ((_distance_to_box(point, size, pose), n) for n, size, pose in seen), default=(np.inf, None)
-        )
+        away = ((float(distances_to_box([point], size, pose)[0]), n) for n, size, pose in seen)
+        distance, name = min(away, default=(np.inf, None))
         if distance <= within:
             return name
     return None
@@ -47,9 +42,9 @@ def object_at(scene: Scene, grasp: Grasp, within: float = 0.03) -> str | None:
 
 def objects_near(scene: Scene, hand: Pose, within: float = 0.09) -> tuple[str, ...]:
     """Return the seen and placed objects `within` [m] of the middle of an open hand whose grasp frame is at `hand`."""
-    middle = hand.apply([[0.04, 0.0, 0.04]])[0]
+    middle = hand.apply([[0.04, 0.0, 0.04]])
     names = (n for n in scene.names() if n.startswith((SEEN, PLACED)))
-    return tuple(n for n in names if _distance_to_box(middle, *scene.box(n)) <= within)
+    return tuple(n for n in names if distances_to_box(middle, *scene.box(n))[0] <= within)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 
-from grip_bt.base.failures import CanceledError, NoIkError, NoPlanError
+from grip_bt.base.failures import CanceledError, NoIkError, NoPlanError, PathInvalidError
 from grip_bt.base.operation import Operation
+from grip_bt.base.steps import run_steps
 from grip_bt.base.values import Pose
-from grip_bt.nodes.motion import first_of, without
+from grip_bt.nodes.motion import OFF, first_of, go_straight, leaving
 
 
 def test_first_of_ends_with_the_first_success_and_tries_no_more():
@@ -62,21 +63,55 @@ def test_thousands_of_attempts_that_end_at_once_do_not_overflow_the_stack():
     assert first_of([*attempts, lambda: Operation.finished(1)]).result() == 1
 
 
-def test_without_puts_objects_back_as_they_were_also_when_planning_cannot_start(world):
+def test_what_a_straight_motion_ignores_is_put_back_as_it_was_also_when_planning_cannot_start(world):
     world.stand("seen_0", (0.5, 0.1))
     size, pose = world.scene.box("seen_0")
 
-    def broken():
+    def broken(verb, goal):
         assert "seen_0" not in world.scene.names()
         raise NoIkError("no")
 
+    world.arm.on_plan = broken
     with pytest.raises(NoIkError):
-        without(world.scene, ["seen_0", "not there"], broken)
+        go_straight(world.arm, [Pose()], world.scene, ["seen_0", "not there"])
     assert np.array_equal(world.scene.box("seen_0")[0], size)
     assert world.scene.box("seen_0")[1] == pose
     assert "not there" not in world.scene.names()
-    pending = Operation()
-    without(world.scene, ["seen_0"], lambda: pending)
+    world.arm.on_plan, world.arm.held = lambda verb, goal: None, {"straight"}
+    go_straight(world.arm, [Pose()], world.scene, ["seen_0"])
     assert "seen_0" not in world.scene.names()
-    pending.succeed(Pose())
+    world.arm.finish()
     assert "seen_0" in world.scene.names()
+
+
+TOUCHED = ("seen_0", "seen_1")
+
+
+def in_contact(fraction):
+    return PathInvalidError("touches", pairs=[TOUCHED], fraction=fraction)
+
+
+def test_a_hand_may_leave_what_it_touches_where_it_is_and_nothing_else(world):
+    for name, spot in zip(TOUCHED, ((0.5, 0.1), (0.5, 0.3)), strict=True):
+        world.stand(name, spot)
+    world.arm.errors["straight"].append(in_contact(0.0))
+    allowed, here = [], world.arm.pose
+    world.arm.on_plan = lambda verb, goal: allowed.append(world.scene.snapshot().may_touch(*TOUCHED))
+    goal = here.moved([0, 0, 0.2])
+    run_steps(leaving(world.arm, goal, world.scene)).result()
+    assert allowed == [False, True, False]
+    assert [goals for verb, goals in world.arm.log if verb == "straight"] == [[goal], [here.moved([0, 0, OFF])], [goal]]
+
+
+def test_what_is_met_on_the_way_or_after_that_is_in_the_way(world):
+    goal = world.arm.pose.moved([0, 0, 0.2])
+    world.arm.errors["straight"].append(in_contact(0.3))
+    with pytest.raises(PathInvalidError):
+        run_steps(leaving(world.arm, goal, world.scene)).result()
+    assert world.arm.verbs() == ["straight"]
+    world.stand("seen_0")
+    world.stand("seen_1", (0.5, 0.3))
+    world.arm.errors["straight"].extend([in_contact(0.0), None, in_contact(0.0)])
+    with pytest.raises(PathInvalidError):
+        run_steps(leaving(world.arm, goal, world.scene)).result()
+    assert not world.scene.snapshot().may_touch(*TOUCHED)
