@@ -166,10 +166,7 @@ def free_spots(region: Region, radius: float, taken: Sequence[Disc], count: int 
 
 def _room_at(points: NDArray[np.float64], taken: Sequence[Disc]) -> NDArray[np.float64]:
     """Return each point's distance from the nearest object, shape (n,) [m]; 1 where there is none."""
-    nearest = np.full(len(points), 1.0)
-    for disc in taken:
-        nearest = np.minimum(nearest, disc.distance(points))
-    return nearest
+    return np.asarray(np.min([np.ones(len(points)), *(disc.distance(points) for disc in taken)], axis=0))
 
 
 def opening_room(hand: Pose, taken: Sequence[Disc]) -> float:
@@ -180,8 +177,3 @@ def opening_room(hand: Pose, taken: Sequence[Disc]) -> float:
     angle, reach = np.meshgrid(np.linspace(0, np.pi / 2, 7), np.linspace(0.03, FINGER, 5))
     swing = np.stack([reach * np.cos(angle), 0 * angle, reach * np.sin(angle)], axis=-1).reshape(-1, 3)
     return float(_room_at(hand.apply(swing)[:, :2], taken).min())
-
-
-def turned(yaw: float) -> NDArray[np.float64]:
-    """Return the quaternion, w x y z, of a turn about the vertical [rad]."""
-    return np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])

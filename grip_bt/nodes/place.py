@@ -20,6 +20,7 @@ from grip_bt.base.failures import (
 from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import Grasp, JointState, Pose
+from grip_bt.base.values.pose import quaternion_of
 
 from .evidence import EvidenceLimits, hand_evidence
 from .grasping import ArmHandLeaf
@@ -35,7 +36,6 @@ from .objects import (
     opening_room,
     region_of,
     rename,
-    turned,
 )
 
 YAWS = np.radians(np.arange(0, 360, 15))
@@ -107,7 +107,7 @@ class Place(ArmHandLeaf):
         for rank, spot in enumerate(spots):
             for yaw in YAWS:
                 for extra in (0.0, 0.025, 0.05):
-                    hand = Pose([*spot, height + extra], turned(yaw)) @ in_hand
+                    hand = Pose([*spot, height + extra], quaternion_of(0, 0, yaw)) @ in_hand
                     room = opening_room(hand, taken)
                     if room > _NARROW:
                         quality = _ease(hand, spot) + 4 * min(room, 0.05) - 0.05 * rank - 20 * extra

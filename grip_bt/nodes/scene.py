@@ -9,9 +9,10 @@ from grip_bt.base.failures import SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Scene
 from grip_bt.base.values import PointCloud, Pose
+from grip_bt.base.values.pose import quaternion_of
 from grip_bt.base.values.solids import Box as SolidBox
 from grip_bt.nodes.leaf import Leaf, OperationLeaf, Status
-from grip_bt.nodes.objects import HELD, SEEN, TABLE_GAP, distances_to_box, region_of, turned
+from grip_bt.nodes.objects import HELD, SEEN, TABLE_GAP, distances_to_box, region_of
 
 Points = NDArray[np.floating]
 KNOWN = 0.01
@@ -51,7 +52,7 @@ def _upright_box(points: Points, floor: float) -> tuple[NDArray[np.float64], Pos
     (x, y), (width, depth), angle = cv2.minAreaRect(points[:, :2].astype(np.float32))
     top, bottom = float(points[:, 2].max()), floor + TABLE_GAP
     size = np.array([max(width, 0.005), max(depth, 0.005), max(top - bottom, 0.005)])
-    return size, Pose([x, y, bottom + size[2] / 2], turned(np.radians(angle)))
+    return size, Pose([x, y, bottom + size[2] / 2], quaternion_of(0, 0, np.radians(angle)))
 
 
 Box = tuple[NDArray[np.float64], Pose]

@@ -17,12 +17,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.base.values import Grasp, JointState, Pose, Trajectory
+from grip_bt.base.values.pose import quaternion_of
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.tree import joints_of_fingers
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.kinematics.fingertips import spans_of
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.nodes.objects import turned
 
 
 def loaded(name):
@@ -63,7 +63,7 @@ def hand_of(robot):
 
 
 def thing(width, depth, height, yaw=0.0):
-    return nodes.Thing(np.array([width, depth, height]), Pose([0.5, 0.1, height / 2], turned(yaw)))
+    return nodes.Thing(np.array([width, depth, height]), Pose([0.5, 0.1, height / 2], quaternion_of(0, 0, yaw)))
 
 
 def proposed(robot, what):
@@ -224,7 +224,7 @@ def test_two_points_make_a_shake_too():
 @settings(max_examples=15, deadline=None)
 def test_a_grasp_of_two_fingers_is_fitted_to_whatever_gripper_there_is(robot, spot, yaw, width):
     tips = Pose((0.5, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)).moved(spot)
-    tips = Pose(tips.position, (Pose(quaternion=turned(yaw)) @ tips).quaternion)
+    tips = Pose(tips.position, (Pose(quaternion=quaternion_of(0, 0, yaw)) @ tips).quaternion)
     said = Grasp(tips, tips.moved((0, 0, 0.12)), tips.moved((0, 0, 0.15)), width=width)
     spans = hand_of(robot).spans()
     fitted = list(grasps.fitted_to(said, spans))
