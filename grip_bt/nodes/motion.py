@@ -58,21 +58,21 @@ OFF = 0.01
 def leaving(arm: Arm, goal: Pose, scene: Scene, ignore: Sequence[str] = ()) -> Steps[JointState]:
     """Go straight; where that begins in contact, as fingers that press have with a table, it may for a centimetre."""
     try:
-        return (yield go_straight(arm, [goal], scene, ignore))
+        end: JointState = yield go_straight(arm, [goal], scene, ignore)
     except PathInvalidError as error:
-        touched = error.data.get("pairs", ())
         if error.data.get("fraction") != 0:
             raise
-    here = arm.grasp_pose()
-    way = goal.position - here.position
-    for one, other in touched:
-        scene.allow(one, other)
-    try:
-        yield go_straight(arm, [here.moved(OFF * way / np.linalg.norm(way))], scene, ignore)
-    finally:
+        touched, here = error.data.get("pairs", ()), arm.grasp_pose()
+        way = goal.position - here.position
         for one, other in touched:
-            scene.allow(one, other, allowed=False)
-    return (yield go_straight(arm, [goal], scene, ignore))
+            scene.allow(one, other)
+        try:
+            yield go_straight(arm, [here.moved(OFF * way / np.linalg.norm(way))], scene, ignore)
+        finally:
+            for one, other in touched:
+                scene.allow(one, other, allowed=False)
+        end = yield go_straight(arm, [goal], scene, ignore)
+    return end
 
 
 def widened(scene: Scene, names: Sequence[str], by: float, plan: Callable[[], Operation[T]]) -> Operation[T]:
