@@ -379,7 +379,7 @@ class StandInModule(ModuleType):
             self._stand_in_lacks, there = {*self._stand_in_lacks, name}, False
         if not there:
             raise AttributeError(name)
-        made = stand_in_class(name) if _is_class(name) else stand_in(f"{self.__name__}.{name}")
+        made = stand_in_class(name) if _is_class(name) else known(f"{self.__name__}.{name}")
         setattr(self, name, made)
         return made
 

@@ -199,6 +199,7 @@ class Run(BaseModel):
         calls: the source of the arguments of what was called, one after the other.
         missing: parameters of the builder that a stand-in was given for.
         unfinished: whether there are answers that weren't tried.
+        wanted: of a program that built nothing, the classes of machines that it names.
         seconds: time of the processor that it took; of an import, with all runs after it.
     """
 
@@ -211,6 +212,7 @@ class Run(BaseModel):
     calls: list[str] = []
     missing: list[str] = []
     unfinished: bool = False
+    wanted: list[str] = []
     stopped: bool = False
     seconds: float = 0.0
 

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from signal import Signals
@@ -171,8 +171,8 @@ def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[st
             text = f"is another machine by the answer to `{each.what}`, known only in a run; shown as for one of them"
             yield text, _span(each)
     elif any(run.unfinished for run in record.runs if run.builder in ("import", seen[0][0].builder)):
-        asked = list(dict.fromkeys(f"`{told.what}`" for run, _ in seen for told in run.asked))[:_MOST_REASONS]
-        yield f"asks more than was tried of what is known only in a run: {', '.join(asked)}", None
+        asked = _asked(run for run, _ in seen)
+        yield f"asks more than was tried of what is known only in a run: {asked}", None
     elif not told and (again is None or {m.shape for _, m in again} != {m.shape for _, m in seen}):
         yield "was another machine when it was built again: something in it goes by chance", None
 
@@ -202,6 +202,14 @@ def _not_built(file: Path, found: list[ContainerInfo], record: Record) -> Iterat
         made = ContainerInfo(kind=place.kind, cls=place.cls or place.kind, span=Span(file, place.line), added={})
         made.problem("failed", _why(place, record))
         yield made
+        found = [*found, made]
+    wanted = next((run.wanted[0] for run in record.runs if run.wanted), "")
+    if wanted and not found:
+        called = (n for n, text in enumerate(read_source(file).text.splitlines(), 1) if f"{wanted}(" in text)
+        line = next(called, 1)
+        made = ContainerInfo(kind="", cls=wanted, span=Span(file, line), added={})
+        made.problem("failed", _why(Place("", line, line), record))
+        yield made
 
 
 def _why(place: Place, record: Record) -> str:
@@ -211,8 +219,15 @@ def _why(place: Place, record: Record) -> str:
     if imports and all(imports):
         return f"wasn't built, since importing the file raises {imports[0]}"
     names = (place.around, place.cls) if place.around or place.cls else ("__main__",)
-    failed = [run for run in record.runs if run.error and run.builder.split(".")[0] in names]
+    called = [run for run in record.runs if run.builder.split(".")[0] in names]
+    failed = [run for run in called if run.error] or [run for run in called if run.unfinished]
     if not failed:
         return "wasn't built by anything that was called"
     run = max(failed, key=lambda run: len(run.answers))  # the one that got on furthest
-    return f"wasn't built: {'the program' if run.builder == '__main__' else run.builder}: {run.error}"
+    error = run.error or f"asks {_asked([run])} without end"
+    return f"wasn't built: {'the program' if run.builder == '__main__' else run.builder}: {error}"
+
+
+def _asked(runs: Iterable[Run]) -> str:
+    """Return what is known only in a run, as those that ask it say."""
+    return ", ".join(list(dict.fromkeys(f"`{told.what}`" for run in runs for told in run.asked))[:_MOST_REASONS])

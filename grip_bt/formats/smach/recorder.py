@@ -25,7 +25,7 @@ from typing import Any
 
 from grip_bt import smach_compat
 from grip_bt.nodes import stand_ins
-from grip_bt.nodes.smach_construction import CONTAINERS, CaughtError, Construction
+from grip_bt.nodes.smach_construction import CONTAINERS, CaughtError, Construction, names_of_program
 from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, names_in, read_source, workspace_of
 from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, stands_in, unwrapped
 
@@ -263,7 +263,16 @@ class FileRecorder:
         return module
 
     def _main(self) -> Any:
-        exec(_code(self.file), {"__name__": "__main__", "__file__": str(self.file)})
+        program = sys.modules["__main__"] = ModuleType("__main__")
+        vars(program).update(names_of_program(self.file))
+        exec(_code(self.file), vars(program))
+
+    def _wanted(self) -> Iterator[str]:
+        """Yield the classes of machines that the program names."""
+        own, named = vars(sys.modules["__main__"]), _names(_code(self.file))
+        for names in (own, *(vars(each) for each in own.values() if isinstance(each, ModuleType))):
+            found = {name: names.get(name) for name in named}
+            yield from (n for n, c in found.items() if isinstance(c, type) and issubclass(c, CONTAINERS))
 
     def _run(self, builder: str, asking: Asking, recording: Recording, work: Callable[[], Any]) -> tuple[Run, Any]:
         stand_ins.judged_by(asking)
@@ -292,6 +301,8 @@ class FileRecorder:
             )
             if run.error:  # what it would have added isn't known
                 run.machines = []
+            if builder == "__main__" and not run.machines and (run.error or run.unfinished):
+                run.wanted = list(self._wanted())
             return run
 
         def failed(words: str) -> Run:  # what it would have made isn't known
@@ -303,7 +314,7 @@ class FileRecorder:
         mine = {n: v for n, v in vars(module).items() if getattr(v, "__module__", "") == module.__name__}
         builders = _BUILDERS | {n for n, v in mine.items() if isinstance(v, type) and issubclass(v, CONTAINERS)}
         functions = {n: v for n, v in mine.items() if inspect.isfunction(v)}
-        while more := {n for n, f in functions.items() if n not in builders and _builds(f.__code__, builders)}:
+        while more := {n for n, f in functions.items() if n not in builders and builders & _names(f.__code__)}:
             builders |= more
         for name, value in mine.items():
             is_container = isinstance(value, type) and issubclass(value, CONTAINERS)
@@ -311,7 +322,7 @@ class FileRecorder:
                 yield name, partial(self._call, value, name)
             if not isinstance(value, type) or issubclass(value, (StandIn, BaseException)):
                 continue
-            methods = {n: m for n, m in vars(value).items() if inspect.isfunction(m) and _builds(m.__code__, builders)}
+            methods = {n: m for n, m in vars(value).items() if inspect.isfunction(m) and builders & _names(m.__code__)}
             if "__init__" in methods and not is_container:
                 yield name, partial(self._call, value, name)
             if is_container and any(m.state.added for r in self.record.runs if r.builder == name for m in r.machines):
@@ -358,10 +369,9 @@ def _argument(parameter: inspect.Parameter) -> Any:
     return made
 
 
-def _builds(code: CodeType, builders: set[str]) -> bool:
-    if builders & {*code.co_names, *code.co_varnames, *code.co_freevars}:
-        return True
-    return any(isinstance(c, CodeType) and _builds(c, builders) for c in code.co_consts)
+def _names(code: CodeType) -> set[str]:
+    inside = (_names(each) for each in code.co_consts if isinstance(each, CodeType))
+    return {*code.co_names, *code.co_varnames, *code.co_freevars}.union(*inside)
 
 
 def _where(error: BaseException) -> str:
