@@ -15,7 +15,7 @@ from typing import Any
 
 from grip_bt import smach_compat
 from grip_bt.nodes.dry_run import StandInState
-from grip_bt.nodes.smach_source import module_name, prepare_imports, read_source
+from grip_bt.nodes.smach_source import code_of, prepare_imports, run_as
 from grip_bt.nodes.stand_ins import stands_in, unwrapped
 from grip_bt.smach_compat import Container, State
 
@@ -137,20 +137,9 @@ class Construction:
         return ("", 0) if code is None else (code.co_filename, code.co_firstlineno)
 
 
-def names_of_program(path: Path) -> dict[str, object]:
-    """Return the names that a file begins with as a program: in a package it imports its neighbours, as with `-m`."""
-    package = module_name(path).rpartition(".")[0]
-    return {"__name__": "__main__", "__file__": str(path), "__package__": package or None}
-
-
-def run_as_main(path: Path) -> Callable[[], None]:
+def run_as_main(path: Path) -> Callable[[], object]:
     """Return what runs a file as Python does when it is started."""
-    path = path.resolve()
-
-    def run() -> None:
-        exec(compile(read_source(path).tree, str(path), "exec"), names_of_program(path))
-
-    return run
+    return lambda: run_as("__main__", path.resolve(), code_of(path.resolve()), {})
 
 
 def built_in(path: Path, line: int, code: Callable[[], object], number: int = 0) -> object:

@@ -187,7 +187,7 @@ class LegacyFinder(MetaPathFinder, Loader):
         compiled: Callable[[Path], CodeType] | None = None,
         listed: Callable[[Path], frozenset[str]] | None = None,
     ):
-        self.folders, self.compiled, self.listed = list(folders), compiled or _compiled, listed or names_in
+        self.folders, self.compiled, self.listed = list(folders), compiled or code_of, listed or names_in
 
     def find_spec(self, fullname: str, path: Sequence[str] | None = None, target: object = None) -> ModuleSpec | None:
         """Find a module or package; a folder that only has its name is one if it has modules and no manifest."""
@@ -227,14 +227,17 @@ def _has_modules(names: frozenset[str]) -> bool:
     return not names & {*_MANIFESTS, "setup.py"} and any(name.endswith(".py") for name in names)
 
 
-def _compiled(file: Path) -> CodeType:
+def code_of(file: Path) -> CodeType:
+    """Return the code of a file; see `read_source`."""
     return compile(read_source(file).tree, str(file), "exec")
 
 
 def package_of(path: Path) -> tuple[Path, str]:
     """Return the folder in which a file's package lies, and the file's name as a module of that folder."""
     folder, names = path.parent, [path.stem]
-    while (folder / "__init__.py").is_file():
+    while (folder / "__init__.py").is_file() and not names_in(folder.parent if folder.name == "src" else folder) & {
+        *_MANIFESTS
+    }:
         folder, names = folder.parent, [folder.name, *names]
     return folder, ".".join(names)
 
@@ -285,16 +288,20 @@ def load_legacy(path: Path, ros: bool = True) -> ModuleType:
     there = sys.modules.get(name)
     if there is not None and getattr(there, "__file__", None) == str(path):
         return there
-    source = read_source(path)
+    code = code_of(path)
     prepare_imports(path, ros)
     if "." in name:
         return importlib.import_module(name)
-    module = ModuleType(name)
-    module.__file__ = str(path)
-    sys.modules[name] = module
     try:
-        exec(compile(source.tree, str(path), "exec"), module.__dict__)
+        return run_as(name, path, code)
     except BaseException:
         del sys.modules[name]
         raise
+
+
+def run_as(name: str, path: Path, code: CodeType, modules: dict[str, ModuleType] = sys.modules) -> ModuleType:
+    """Run a file as the module of this name; as `__main__` it imports the neighbours in its package, as with `-m`."""
+    module = modules[name] = ModuleType(name)
+    module.__file__, module.__package__ = str(path), module_name(path).rpartition(".")[0] or None
+    exec(code, module.__dict__)
     return module

@@ -403,13 +403,14 @@ class StandInFinder(MetaPathFinder, Loader):
     Attributes:
         packages: their names, in the order of their imports.
         made: module -> what gives it names of its own.
+        certain: those that are taken for installed, which code may be prepared for not to be.
         parts: whether it stands in for what a package lacks that isn't installed but lies here, too.
     """
 
     parts = False
 
-    def __init__(self) -> None:
-        self.packages: list[str] = []
+    def __init__(self, certain: Collection[str] = ()) -> None:
+        self.packages, self.certain = list[str](), certain
         self.made: dict[str, Callable[[ModuleType], object]] = {}
 
     def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
@@ -428,6 +429,8 @@ class StandInFinder(MetaPathFinder, Loader):
             return None
         if package not in self.packages:
             self.packages.append(package)
+        if package not in self.certain and judge.lacks(f"import {fullname}", "|(Base)?Exception"):
+            raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
         return ModuleSpec(fullname, self, is_package=True)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:

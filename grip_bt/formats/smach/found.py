@@ -171,7 +171,6 @@ class Built(BaseModel):
     """
 
     key: str
-    number: int
     state: ContainerInfo
     returned: bool = False
     variable: str = ""
@@ -200,7 +199,6 @@ class Run(BaseModel):
         missing: parameters of the builder that a stand-in was given for.
         unfinished: whether there are answers that weren't tried.
         wanted: of a program that built nothing, the classes of machines that it names.
-        seconds: time of the processor that it took; of an import, with all runs after it.
     """
 
     builder: str
@@ -214,13 +212,13 @@ class Run(BaseModel):
     unfinished: bool = False
     wanted: list[str] = []
     stopped: bool = False
-    seconds: float = 0.0
 
 
 class Record(BaseModel):
-    """What became of a file: all runs, each after an import that was answered in one way."""
+    """What became of a file: all runs, each after an import that was answered in one way; what that has loaded."""
 
     runs: list[Run] = []
     read: list[str] = []
     error: str = ""
     compiled: list[Path] = []
+    libraries: list[str] = []

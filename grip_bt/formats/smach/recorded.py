@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from signal import Signals
@@ -39,7 +39,7 @@ class Recorder:
     @staticmethod
     def _start(number: int) -> subprocess.Popen[str]:
         path = os.pathsep.join(filter(None, sys.path))
-        environment = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": str(number + 1)}
+        environment = os.environ | {"PYTHONPATH": path, "PYTHONHASHSEED": str(number + 1), "OPENBLAS_NUM_THREADS": "1"}
         command = python_command("-c", f"from {__package__}.recorder import main; main()")
         pipe = subprocess.PIPE
         return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
@@ -147,7 +147,7 @@ def _container(file: Path, seen: Seen, again: Seen | None, record: Record) -> Co
         tuple(run.missing),
         machine.returned or builder == machine.variable,
         builder != machine.variable,
-        machine.number,
+        int(machine.key.rpartition("#")[2]),
     )
     for text, place in doubts:
         made.problem("partial", text, place)
@@ -171,8 +171,8 @@ def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[st
             text = f"is another machine by the answer to `{each.what}`, known only in a run; shown as for one of them"
             yield text, _span(each)
     elif any(run.unfinished for run in record.runs if run.builder in ("import", seen[0][0].builder)):
-        asked = _asked(run for run, _ in seen)
-        yield f"asks more than was tried of what is known only in a run: {asked}", None
+        asked = list(dict.fromkeys(f"`{told.what}`" for run, _ in seen for told in run.asked))[:_MOST_REASONS]
+        yield f"asks more than was tried of what is known only in a run: {', '.join(asked)}", None
     elif not told and (again is None or {m.shape for _, m in again} != {m.shape for _, m in seen}):
         yield "was another machine when it was built again: something in it goes by chance", None
 
@@ -194,21 +194,16 @@ def _span(told: Told) -> Span | None:
 
 
 def _not_built(file: Path, found: list[ContainerInfo], record: Record) -> Iterator[ContainerInfo]:
-    for place in places_of(file):
+    wanted = next((name for run in record.runs for name in run.wanted), "")
+    line = read_source(file).text.partition(f"{wanted}(")[0].count("\n") + 1
+    named = [Place("", line, line, wanted, "__main__")] if wanted and not found else []
+    for place in places_of(file) or named:
         lines = range(place.line, place.end_line + 1)
         here = (c for c in found if c.span.file == file and c.span.line in lines)
         if any(c.cls == place.cls for c in found) if place.cls else any(here):
             continue
         made = ContainerInfo(kind=place.kind, cls=place.cls or place.kind, span=Span(file, place.line), added={})
         made.problem("failed", _why(place, record))
-        yield made
-        found = [*found, made]
-    wanted = next((run.wanted[0] for run in record.runs if run.wanted), "")
-    if wanted and not found:
-        called = (n for n, text in enumerate(read_source(file).text.splitlines(), 1) if f"{wanted}(" in text)
-        line = next(called, 1)
-        made = ContainerInfo(kind="", cls=wanted, span=Span(file, line), added={})
-        made.problem("failed", _why(Place("", line, line), record))
         yield made
 
 
@@ -219,15 +214,8 @@ def _why(place: Place, record: Record) -> str:
     if imports and all(imports):
         return f"wasn't built, since importing the file raises {imports[0]}"
     names = (place.around, place.cls) if place.around or place.cls else ("__main__",)
-    called = [run for run in record.runs if run.builder.split(".")[0] in names]
-    failed = [run for run in called if run.error] or [run for run in called if run.unfinished]
+    failed = [run for run in record.runs if run.error and run.builder.split(".")[0] in names]
     if not failed:
         return "wasn't built by anything that was called"
     run = max(failed, key=lambda run: len(run.answers))  # the one that got on furthest
-    error = run.error or f"asks {_asked([run])} without end"
-    return f"wasn't built: {'the program' if run.builder == '__main__' else run.builder}: {error}"
-
-
-def _asked(runs: Iterable[Run]) -> str:
-    """Return what is known only in a run, as those that ask it say."""
-    return ", ".join(list(dict.fromkeys(f"`{told.what}`" for run in runs for told in run.asked))[:_MOST_REASONS])
+    return f"wasn't built: {'the program' if run.builder == '__main__' else run.builder}: {run.error}"

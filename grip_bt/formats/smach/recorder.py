@@ -25,14 +25,14 @@ from typing import Any
 
 from grip_bt import smach_compat
 from grip_bt.nodes import stand_ins
-from grip_bt.nodes.smach_construction import CONTAINERS, CaughtError, Construction, names_of_program
-from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, names_in, read_source, workspace_of
+from grip_bt.nodes.smach_construction import CONTAINERS, Construction
+from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, names_in, read_source, run_as, workspace_of
 from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, stands_in, unwrapped
 
 from . import tracked_code
 from .facts import facts_of
 from .found import Built, Job, Record, Run, Told
-from .sandbox import BUILDER_PATIENCE, PATIENCE, in_child, seconds_used
+from .sandbox import BUILDER_PATIENCE, PATIENCE, forget, in_child, load, seconds_used
 from .surroundings import guard, ros_stand_ins, surround
 
 MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS, MOST_FRUITLESS = 100, 6, 6, 16
@@ -139,13 +139,11 @@ class Recording(Construction):
         for container in containers:
             place = self.places[id(container)]
             number = counted[place] = counted.get(place, -1) + 1
-            module = sys.modules.get(names.get("__name__", ""))
-            mine = place[0] == file or inspect.getmodule(type(container)) is module
+            mine = place[0] == file or type(container).__module__ == names.get("__name__")
             if id(container) in inside or not (mine or container is self.caught or container is result):
                 continue
             yield Built(
                 key=f"{place[0]}:{place[1]}#{number}",
-                number=number,
                 state=facts_of(container, Path(file), self),
                 returned=container is result,
                 variable=variables.get(id(container), ""),
@@ -160,10 +158,10 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
     changed without any effect on an error: it is raised again, and nothing more is asked before it.
     """
     todo, runs, shapes, fruit = [("", 0, list[bool]())], list[Run](), defaultdict[str, set[str]](set), 0
-    furthest, works = dict[str, int](), False
+    furthest, works, begun = dict[str, int](), False, seconds_used()
     while todo:
-        fruitless = not works and len(runs) - fruit > MOST_FRUITLESS
-        late = sum(run.seconds for run in runs) > PATIENCE / 3 or len(runs) >= most or fruitless
+        fruitless = not shapes and len(runs) - fruit > MOST_FRUITLESS
+        late = seconds_used() - begun > PATIENCE / 3 or len(runs) >= most or fruitless
         hopeless = len(runs) + len(todo) > most and len(runs) >= FEW_ANSWERS and works
         if late or hopeless:
             for run in runs:
@@ -205,31 +203,31 @@ class FileRecorder:
     """Records a file of a workspace, in the process that imports it."""
 
     def __init__(self, job: Job, workspace: Workspace):
-        self.finder, self.record, self.read = StandInFinder(), Record(), set[str]()
-        self.asking = Asking(job.answers, job)
-        stand_ins.judged_by(self.asking)
-        self.recording = Recording(self.asking)
-        self.job, self.file, self.workspace = job, Path(job.file), workspace
+        self.finder, self.record, self.read = StandInFinder(_ROS), Record(), set[str]()
+        self.job, self.file, self.workspace, self.before = job, Path(job.file), workspace, frozenset(sys.modules)
 
     def recorded(self) -> Record:
         """Import the file, and call its builders."""
         self._prepare()
         job, name = self.job, module_name(self.file)
         tracked_code.legacy_modules.add(name)
-        sys.argv = stand_ins.known("sys.argv", [job.file])
-        run, module = self._run("import", self.asking, self.recording, lambda: self._import(name))
-        run.machines = list(self.recording.machines(job.file, None, vars(module) if module else {}))
+        stand_ins.judged_by(asking := Asking(job.answers, job))
+        sys.argv, sys.modules["__main__"].__file__ = stand_ins.known("sys.argv", [job.file]), job.file
+        work = partial(__import__, name) if "." in name else partial(run_as, name, self.file, _code(self.file))
+        run, _ = self._run("import", asking, recording := Recording(asking), work)
+        module = None if run.error or run.unfinished else sys.modules.get(name)
+        run.machines = list(recording.machines(job.file, None, vars(module) if module else {}))
         self.record.runs.append(run)
         gc.freeze()
-        if module is not None:
-            for builder, call in (*self._builders(module), ("__main__", self._main)):
-                if job.builders is None or builder in job.builders:
-                    again = builder == "__main__" and any(each.machines for each in self.record.runs)
-                    most = FEW_ANSWERS if again else MOST_ANSWERS  # a program builds most often what functions do
-                    self.record.runs += answered(partial(self._built, builder, call), most)
+        for builder, call in self._builders(module) if module else ():
+            if job.builders is None or builder in job.builders:
+                known = any(each.machines and not each.missing for each in self.record.runs)
+                most = FEW_ANSWERS if builder == "__main__" and known else MOST_ANSWERS  # it builds what they do
+                self.record.runs += answered(partial(self._built, builder, call), most)
         self.record.compiled = list(_compiled)
+        new = {name: module for name, module in sys.modules.items() if name not in self.before}
+        self.record.libraries = [n for n, module in new.items() if "-packages" in str(getattr(module, "__file__", ""))]
         self.record.read = sorted(self.read)
-        run.seconds = seconds_used()
         return self.record
 
     def _prepare(self) -> None:
@@ -244,35 +242,19 @@ class FileRecorder:
         smach_compat.set_loggers(quiet, quiet, quiet, quiet)
         ros_stand_ins(self.finder, self.workspace)
         sys.path[:] = [path for path in sys.path if path and not _is_of(path, self.workspace)]
-        found = _TrackedFinder(self.workspace, self.finder)
-        sys.meta_path.insert(2, found)
-        sys.meta_path.append(found.missing)
+        forget({name for folder in self.workspace.folders for name in _listed(folder)})
+        sys.meta_path.insert(2, _TrackedFinder(self.workspace, self.finder))
+        sys.meta_path.append(self.finder)
         tracked_code.install()
         surround(self.workspace)
         guard(self.workspace, self.read)
 
-    def _import(self, name: str) -> ModuleType:
-        if "." in name:
-            __import__(name)
-            return sys.modules[name]
-        module = ModuleType(name)
-        module.__file__ = str(self.file)
-        sys.modules[name] = module
-        with suppress(CaughtError):
-            exec(_code(self.file), module.__dict__)
-        return module
-
-    def _main(self) -> Any:
-        program = sys.modules["__main__"] = ModuleType("__main__")
-        vars(program).update(names_of_program(self.file))
-        exec(_code(self.file), vars(program))
-
-    def _wanted(self) -> Iterator[str]:
-        """Yield the classes of machines that the program names."""
-        own, named = vars(sys.modules["__main__"]), _names(_code(self.file))
-        for names in (own, *(vars(each) for each in own.values() if isinstance(each, ModuleType))):
-            found = {name: names.get(name) for name in named}
-            yield from (n for n, c in found.items() if isinstance(c, type) and issubclass(c, CONTAINERS))
+    def _wanted(self) -> list[str]:
+        """Return the classes of machines that the program names."""
+        own = vars(sys.modules["__main__"])
+        spaces = (own, *(vars(each) for each in own.values() if isinstance(each, ModuleType)))
+        found = [(name, names.get(name)) for names in spaces for name in sorted(_names(_code(self.file)))]
+        return [name for name, cls in found if isinstance(cls, type) and issubclass(cls, CONTAINERS)]
 
     def _run(self, builder: str, asking: Asking, recording: Recording, work: Callable[[], Any]) -> tuple[Run, Any]:
         stand_ins.judged_by(asking)
@@ -294,19 +276,20 @@ class FileRecorder:
             asking = Asking(given, self.job)
             recording = Recording(asking)
             run, result = self._run(builder, asking, recording, call)
-            run.calls, run.missing, run.seconds = self._calls, self._missing, seconds_used()
+            run.calls, run.missing = self._calls, self._missing
             names = vars(sys.modules[module_name(self.file)])
             run.machines = list(
                 recording.machines(str(self.file), None if recording.caught is not None else result, names)
             )
             if run.error:  # what it would have added isn't known
                 run.machines = []
-            if builder == "__main__" and not run.machines and (run.error or run.unfinished):
-                run.wanted = list(self._wanted())
+            elif run.unfinished and not run.machines:
+                run.error = "it asks without end what is known only in a run"
+            run.wanted = self._wanted() if run.error and builder == "__main__" else []
             return run
 
         def failed(words: str) -> Run:  # what it would have made isn't known
-            return Run(builder=builder, error=words, seconds=BUILDER_PATIENCE, unfinished=True)
+            return Run(builder=builder, error=words, unfinished=True)
 
         return Run.model_validate_json(in_child(work, failed, BUILDER_PATIENCE))
 
@@ -329,6 +312,7 @@ class FileRecorder:
                 continue  # it is filled by its constructor
             for method in methods.keys() - {"__init__"}:
                 yield f"{name}.{method}", partial(self._method, value, name, method)
+        yield "__main__", partial(run_as, "__main__", self.file, _code(self.file))
 
     def _method(self, cls: type, name: str, method: str) -> Any:
         if issubclass(cls, unittest.TestCase):
@@ -385,7 +369,7 @@ def _where(error: BaseException) -> str:
 
 def _is_of(path: str, workspace: Workspace) -> bool:
     """Tell whether a folder is one of a workspace's, and none of the libraries that may be installed in it."""
-    return "-packages" not in path and Path(path).is_relative_to(workspace.root)
+    return "-packages" not in path and f"{path}{os.sep}".startswith(f"{workspace.root}{os.sep}")
 
 
 class _TrackedFinder(LegacyFinder):
@@ -393,7 +377,7 @@ class _TrackedFinder(LegacyFinder):
 
     def __init__(self, workspace: Workspace, finder: StandInFinder):
         super().__init__(workspace.folders, _code, _listed)
-        self.workspace, self.finder, self.missing = workspace, finder, _Missing(finder)
+        self.workspace, self.finder = workspace, finder
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
         top = fullname.partition(".")[0]
@@ -402,7 +386,7 @@ class _TrackedFinder(LegacyFinder):
         if path and not any(_is_of(each, self.workspace) for each in path):
             return None  # a part of a library
         if top in _ROS or top.endswith(_INTERFACES):  # never the real ones, nor a copy of smach_ros: they want a robot
-            return (self.finder if top in _ROS else self.missing).find_spec(fullname)
+            return self.finder.find_spec(fullname)
         found = super().find_spec(fullname, path, target)
         if found is None and path is None:
             paths = (Path(p) for p in sys.path if isinstance(p, str) and _is_of(p, self.workspace))
@@ -411,23 +395,6 @@ class _TrackedFinder(LegacyFinder):
         if found is not None:
             tracked_code.legacy_modules.add(fullname)
         return found
-
-
-class _Missing(StandInFinder):
-    """Asks whether a package is there where code is prepared for its absence."""
-
-    def __init__(self, finder: StandInFinder):
-        self.packages, self.made = finder.packages, finder.made
-
-    def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
-        spec = super().find_spec(fullname, path, target)
-        if (
-            spec is not None
-            and fullname != "rospy"
-            and stand_ins.judge.lacks(f"import {fullname}", "|(Base)?Exception")
-        ):
-            raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
-        return spec
 
 
 def _prepared(frame: FrameType, more: str = "") -> bool:
@@ -456,6 +423,7 @@ def record(job: Job) -> Record:
         for file in told.compiled:  # here, once for all that come
             with suppress(Exception):  # what its child has told of already
                 _code(file)
+        load(told.libraries)
         whole.runs += told.runs
         return first
 

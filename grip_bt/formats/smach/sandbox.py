@@ -6,8 +6,11 @@ import os
 import resource
 import select
 import signal
+import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 
 from pydantic import BaseModel
@@ -65,6 +68,24 @@ def _asleep(process: int) -> str:
     except OSError:  # no Linux
         return ""
     return " ".join(rest[10:12]) if state == "S" and not children else ""
+
+
+_loaded: list[str] = []
+
+
+def load(libraries: list[str]) -> None:
+    """Load libraries in this process, so that its children have them."""
+    for name in libraries:
+        with suppress(BaseException):  # it is loaded where it is wanted
+            import_module(name)
+            _loaded.append(name)
+
+
+def forget(names: set[str]) -> None:
+    """Forget those in the place of which there are files or folders of these names."""
+    for name in _loaded:
+        if {(top := name.partition(".")[0]), f"{top}.py"} & names:
+            sys.modules.pop(name, None)
 
 
 def seconds_used() -> float:

@@ -233,13 +233,20 @@ def test_what_a_task_has_no_kind_for_is_one_leaf_that_does_the_same(execute, out
     assert run_task(next(iter(paths.values())), target)[0] == outcome
 
 
-def test_packages_are_found_by_their_package_files(tmp_path):
+@pytest.mark.parametrize("packages", [(), ("lib",), ("lib", "lib/src")])
+def test_packages_are_found_by_their_package_files(packages, tmp_path):
     for package, folder in (("app", "app/scripts"), ("lib", "lib/src/lib")):
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / package / "package.xml").write_text(f"<package><name>{package}</name></package>")
     (tmp_path / "lib" / "setup.py").write_text("d = dict(packages=['lib'], package_dir={'': 'src'})\n")
     (tmp_path / "lib/src/lib/__init__.py").write_text("from .states import Go\n")
     (tmp_path / "lib/src/lib/states.py").write_text(HEAD)
+    machine = tmp_path / "lib/src/lib/machine.py"
+    build = BUILD.replace("OUTCOMES", "'there', 'lost'").replace("{EDGES}", "{}")
+    machine.write_text(f"import smach\nfrom lib.states import Go{build}")
+    for folder in packages:  # catkin's own folder and its `src` are no packages of Python, whatever lies in them
+        (tmp_path / folder / "__init__.py").touch()
+    assert verdicts(record(machine)) == ["exact"]
     file = tmp_path / "app/scripts/app.py"
     file.write_text(
         "import smach\nfrom lib import Go\ntry:\n    from lib.msg import Thing\nexcept ImportError:\n    Thing = None\n"

@@ -136,3 +136,30 @@ def test_a_recording_process_that_is_killed_is_begun_again_and_one_that_is_kille
 def killed_before(process, answers):
     os.kill(process.pid, signal.SIGKILL)
     return answers.readline()
+
+
+def test_a_library_that_one_file_has_loaded_is_another_module_where_a_workspace_has_its_own(tmp_path):
+    named = "import smach\nfrom {module} import {name}\nNAMES = [str({name})]\n"
+    step = LIBRARY.partition("NAMES")[2].partition("\n")[2]
+    texts = {
+        "one": named.format(module="networkx", name="__name__"),
+        "two": named.format(module="networkx.algorithms", name="__name__"),
+        "own": named.format(module="networkx", name="OWN"),
+        "last": named.format(module="networkx.utils", name="__name__"),
+    }
+    labels = {}
+    with Recorder() as recorder:
+        for folder, text in texts.items():
+            (tmp_path / folder).mkdir()
+            file = tmp_path / folder / "mission.py"
+            file.write_text(text + step + MISSION.format(first="", more="M"))
+            if folder == "own":
+                (tmp_path / "own" / "networkx.py").write_text("OWN = 'OWN'\n")
+            (found,) = import_file(file, None, recorder).containers
+            labels[folder] = (found.verdict, next(iter(found.added)))
+    assert labels == {
+        "one": ("exact", "networkx"),
+        "two": ("exact", "networkx.algorithms"),
+        "own": ("exact", "OWN"),
+        "last": ("exact", "networkx.utils"),
+    }
