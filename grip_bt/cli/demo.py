@@ -15,6 +15,7 @@ from grip_bt.app.runs.execute import open_session
 from grip_bt.app.runs.verdict import Verdict
 from grip_bt.app.wiring.parts import silent
 from grip_bt.base.values import Failure
+from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.cli.bench import add_bench, run_bench
 from grip_bt.cli.run import add_run_options, exit_status, options_of, tell_end, tell_failures
 from grip_bt.cli.signals import on_hang_up, on_stop
@@ -46,36 +47,7 @@ class Demo:
 
 
 DEMOS = {
-    "clear_table": Demo(
-        "reactive_pick",
-        "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by all evidence, place.",
-    ),
-    "reactive": Demo(
-        "reactive",
-        "Places only after a component's image difference confirms the grasp; otherwise draws another pose.",
-    ),
-    "explore": Demo(
-        "explore",
-        "A wrist camera looks at a heap from all sides; a component registers the views; one object is grasped.",
-        "attempt",
-        "explore",
-    ),
-    "unscrew": Demo(
-        "unscrew",
-        "One arm holds a bottle; the other one's Allegro hand unscrews its cap with its fingertips.",
-        project="unscrew",
-    ),
-    "pipette": Demo(
-        "pipette",
-        "A UR10 with a Shadow hand draws from a beaker with a pipette, fills a tube, and takes it to a pose.",
-        project="pipette",
-    ),
-    "benchmark": Demo(
-        "benchmark",
-        "Four grasp methods, each a component with its own conventions, on objects dropped onto a table.",
-        project="benchmark",
-        campaign="campaigns/demo.yaml",
-    ),
+    name: Demo(**said) for name, said in to_data(parse(Path(__file__).with_name("demos.yaml").read_text())).items()
 }
 
 
