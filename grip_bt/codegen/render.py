@@ -10,7 +10,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 
 from grip_bt.base.errors import EvaluationError, GripError
 from grip_bt.base.evaluation import condition_of
@@ -56,7 +56,7 @@ def render(
         "README.md": "README.md.j2",
     }
     files = {"manifest.yaml": manifest_text(manifest, _HEADER)}
-    files |= {path: _environment().get_template(template).render(meaning) for path, template in templates.items()}
+    files |= {path: template(__package__, name).render(meaning) for path, name in templates.items()}
     return files
 
 
@@ -76,17 +76,18 @@ def _words(component: ComponentFile) -> dict[str, str]:
 
 
 @cache
-def _environment() -> Environment:
+def template(package: str, name: str) -> Template:
+    """Return a template of a package."""
     environment = Environment(
-        loader=PackageLoader("grip_bt.codegen"),
+        loader=PackageLoader(package),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # what is made is Python and Markdown; values enter Python through `py` alone
+        autoescape=False,  # what is made is Python and Markdown; values enter Python through `py` and `literal` alone
     )
     environment.filters["py"] = py
-    return environment
+    return environment.get_template(name)
 
 
 CODES: dict[str, tuple[str, ...]] = {

@@ -5,9 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
-
-from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 
 from grip_bt.base.python_literals import py
 
@@ -83,19 +80,6 @@ def statement(target: str, expression: Expr, indent: int = _STEP) -> str:
     """Return `target = expression`, indented; no target makes it the expression alone."""
     before = f"{' ' * indent}{target} = " if target else " " * indent
     return before + format_expression(expression, indent, len(before))
-
-
-@cache
-def template(package: str, name: str) -> Template:
-    """Return a template of a package."""
-    return Environment(
-        loader=PackageLoader(package),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # what is made is Python; values enter it through `literal` alone
-    ).get_template(name)
 
 
 def remarked(text: str, remark: str, indent: int = _STEP) -> str:

@@ -12,6 +12,7 @@ from typing import Any
 
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import read_file
+from grip_bt.codegen.render import template
 from grip_bt.formats.btcpp.importer import Importer, from_xml, settle
 from grip_bt.formats.btcpp.leaves import Leaves
 from grip_bt.formats.btcpp.writer import to_xml
@@ -29,40 +30,6 @@ _HEADER = f"""\
 # {generated_by("btcpp")} from {{origin}}, once; it is yours to edit. Another import adds ports that it lacks.
 # The file says which ports this node has; what it does stands in leaf.py beside it, or should.
 """
-_LEAF = '''\
-"""{name} of BehaviorTree.CPP: its code is still to be written."""
-
-import grip_bt as grip
-
-
-class {name}(grip.Leaf):
-    """{ports}"""
-
-    def initialise(self):
-        """Begin an activation, as onStart does."""
-
-    def update(self):
-        """Return `self.running()`, `self.end("success", PORT=VALUE)` or `self.fail("code", "why")`; never block."""
-        # self.params["PORT"] is a literal, self.read("PORT") the value of a variable
-        raise NotImplementedError("write the code of {name} in leaf.py")
-
-    def terminate(self, new_status):
-        """Stop what update has begun, as onHalted does, when new_status is INVALID."""
-'''
-_CONTROL = '''\
-"""{name} of BehaviorTree.CPP: what it does with its children is still to be written."""
-
-import grip_bt as grip
-
-
-class {name}(grip.Control):
-    """{ports}"""
-
-    def decide(self):
-        """Tick children: each `tick()` says running, success, failure or skipped; return one of these."""
-        # self.get("PORT") is a literal or the value of a variable, self.put("PORT", value) writes one
-        raise NotImplementedError("write the code of {name} in leaf.py")
-'''
 
 
 def read(request: Request) -> Imported:
@@ -153,10 +120,10 @@ class Project:
             if each.id not in self.catalog:
                 controls = "skipped" in each.outcomes
                 ports = ", ".join(dict.fromkeys((*each.parameters, *each.inputs, *each.outputs)))
-                text = _CONTROL if controls else _LEAF
+                code = template(__package__, "control.py.j2" if controls else "leaf.py.j2")
                 if not (self.request.nodes / each.id / "leaf.py").exists():
                     said = f"Ports: {ports}." if ports else "It has no ports."
-                    files[f"nodes/{each.id}/leaf.py"] = text.format(name=name, ports=said)
+                    files[f"nodes/{each.id}/leaf.py"] = code.render(name=name, ports=said)
                 mocks += "" if controls else f"  {each.id}: {_mock(each)}\n"
                 new.append(each.id)
         advice = [f"write the code of {', '.join(new)}: leaf.py beside the manifest"] if new else []

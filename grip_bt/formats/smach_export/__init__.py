@@ -6,11 +6,12 @@ import os
 from pathlib import Path
 
 from grip_bt.base.python_literals import py
+from grip_bt.codegen.render import template
 from grip_bt.compilers.behaviour_state import Refined
 from grip_bt.compilers.machine_table import state_labels
 from grip_bt.compilers.resolve import resolve
 from grip_bt.compilers.scopes import Scopes
-from grip_bt.formats.python_source import call, comment, template
+from grip_bt.formats.python_source import call, comment
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 

@@ -7,9 +7,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from grip_bt.base.errors import NotExpressibleError
+from grip_bt.codegen.render import template
 from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.compilers.scopes import UNSET
-from grip_bt.formats.python_source import Bracketed, Raw, call, comment, literal, remarked, statement, template
+from grip_bt.formats.python_source import Bracketed, Raw, call, comment, literal, remarked, statement
 from grip_bt.formats.pytrees.classes import SAID, class_for
 from grip_bt.formats.standalone.builder import ORDER, TARGET, ModuleBuilder, asks_for_codes, is_fresh
 from grip_bt.formats.xml_trees import require_expressible
