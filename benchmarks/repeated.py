@@ -42,7 +42,7 @@ def delay_answers() -> None:
     """Have everything that isn't physics come late, each time by another random time."""
     from grip_bt.commanders.planning.service import PlanningProcess
     from grip_bt.ros.component import RosComponent
-    from grip_bt.runtime.context import Workers
+    from grip_bt.runtime import context
 
     chance = random.SystemRandom()
 
@@ -58,9 +58,11 @@ def delay_answers() -> None:
         operation.add_done_callback(lambda: threading.Timer(chance.uniform(0, LATEST), answer).start())
         return late
 
-    for kind, name in ((PlanningProcess, "submit"), (RosComponent, "call"), (Workers, "run")):
+    for kind, name in ((PlanningProcess, "submit"), (RosComponent, "call")):
         original = getattr(kind, name)
         setattr(kind, name, lambda self, asked, original=original: later(original(self, asked)))
+    in_worker = context.in_worker
+    context.in_worker = lambda work: later(in_worker(work))
 
 
 def in_a_process(*arguments: object) -> tuple[str, str, float]:
