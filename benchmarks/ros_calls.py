@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.ros.process import child_environment
+from grip_bt.ros.command import child_environment
 
 DATA = Path(__file__).resolve().parents[1] / "tests" / "ros" / "data"
 DOMAIN = 91

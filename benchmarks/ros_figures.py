@@ -15,9 +15,9 @@ import numpy as np
 
 from grip_bt.base.values import PointCloud
 from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.command import child_environment
 from grip_bt.ros.convert import from_message, to_message
 from grip_bt.ros.interfaces import build_interfaces
-from grip_bt.ros.process import child_environment
 
 ROOT = Path(__file__).parents[1]
 DOMAIN = 90

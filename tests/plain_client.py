@@ -68,7 +68,7 @@ def plain_client(
         domain: the DDS domain.
         overlays: prefixes with interface packages that it needs.
     """
-    from grip_bt.ros.process import child_environment
+    from grip_bt.ros.command import child_environment
 
     process = subprocess.Popen(
         [sys.executable, str(PROGRAM), action, kind, *names],

@@ -21,7 +21,7 @@ def serving(
         domain: the DDS domain that it joins.
         overlays: prefixes with further packages that it needs.
     """
-    from grip_bt.ros.process import child_environment
+    from grip_bt.ros.command import child_environment
 
     process = subprocess.Popen(
         [sys.executable, str(program), *arguments],

@@ -45,8 +45,8 @@ def simulated_robot(
         project: its grip.yaml.
         world: its name.
     """
+    from grip_bt.ros.command import child_environment
     from grip_bt.ros.interfaces.build import ensure_package
-    from grip_bt.ros.process import child_environment
 
     ensure_package("control_msgs")
     (folder / "grip.yaml").write_text(project)

@@ -65,7 +65,6 @@ _MODULES = {
     "interfaces": "component",
     "sim": "launch",
     **dict.fromkeys(("help", "completion"), "shell"),
-    "object": "world",
 }
 """Where it isn't the module of the verb's own name."""
 

@@ -33,7 +33,8 @@ from .planning.requests import (
 )
 from .scene import PlanningScene
 from .settings import PlanningSettings
-from .steering import HOLD, SteeredMotion, Twist, approaching, bounded, jogged, velocity_of
+from .steered_motion import SteeredMotion, Twist, velocity_of
+from .steering import HOLD, approaching, bounded, jogged
 from .taught import TaughtStates
 from .trajectory.limits import Limits, refuse_beyond_limits
 

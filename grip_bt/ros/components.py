@@ -10,8 +10,8 @@ from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.failures import ServerLostError
 from grip_bt.base.files import Closing
 from grip_bt.base.ports import Component
+from grip_bt.ros.command import advice, start_process
 from grip_bt.ros.interfaces.packages import activate
-from grip_bt.ros.process import advice, start_process
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile, load_component
 
 from .client.action import ActionClient

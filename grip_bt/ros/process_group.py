@@ -18,7 +18,8 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.files import Closing
 from grip_bt.task.catalog.component_file import ProcessConfig, Ready
 
-from .process import Process, child_environment, command_of, stop_all
+from .command import child_environment, command_of
+from .process import Process, stop_all
 
 if TYPE_CHECKING:
     from .client.connection import Connection

@@ -16,11 +16,12 @@ from grip_bt.base.values import CameraInfo, RgbdFrame
 from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 
 from .client.types import ConversionError, Message
+from .command import start_process
 from .convert import from_message
 from .convert_values import camera_from_message, depth_from_message, image_from_message, seconds
 from .frames import ROOT, FrameError, frame_of, mounted_frames, transformed
 from .interface import RosInterface
-from .process import Process, start_process, stop_all
+from .process import Process, stop_all
 
 T = TypeVar("T")
 FRAME_WAIT = 0.5

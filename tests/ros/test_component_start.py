@@ -10,9 +10,9 @@ import pytest
 from ros_bench import DATA, ended, gone
 
 from grip_bt.base.failures import ServerLostError
+from grip_bt.ros.command import program_of
 from grip_bt.ros.components import start_components
 from grip_bt.ros.interfaces.packages import PackageError, executable_of, launch_file_of, share_of
-from grip_bt.ros.process import program_of
 
 TEXT = """
 name: trigger

@@ -15,7 +15,7 @@ from patience import PATIENCE, Ahead, until
 from ros_bench import ended
 
 from grip_bt.ros.client.types import load_type
-from grip_bt.ros.process import child_environment
+from grip_bt.ros.command import child_environment
 from grip_bt.ros.process_group import GraphWatch, Member, ProcessGroup, StartError
 from grip_bt.task.catalog.component_file import ProcessConfig, Ready
 

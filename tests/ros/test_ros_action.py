@@ -265,7 +265,7 @@ def test_the_end_of_an_interpreter_cancels_what_runs(domain, act, trial, bus):
         f"client.send(goal, 1000.0, {PATIENCE}, on_feedback=lambda told: taken.set())\n"
         f"assert taken.wait({PATIENCE}); sys.exit(3)\n"
     )
-    from grip_bt.ros.process import child_environment
+    from grip_bt.ros.command import child_environment
 
     done = subprocess.run([sys.executable, "-c", script], env=child_environment([trial], domain), timeout=2 * PATIENCE)
     assert done.returncode == 3

@@ -9,9 +9,9 @@ import grip_bt.ros  # noqa: F401 - its settings come before any message package
 from grip_bt.base.types import check_value
 from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
 from grip_bt.ros.client.types import ConversionError
+from grip_bt.ros.command import child_environment
 from grip_bt.ros.component import Adapter, scaled
 from grip_bt.ros.frames import FrameError, FrameTree, frame_of, transformed
-from grip_bt.ros.process import child_environment
 from grip_bt.task.catalog.component_file import ComponentFile
 
 pytestmark = pytest.mark.ros

@@ -15,10 +15,10 @@ from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.goal import Ask, Goal, GoalTimeouts
 from grip_bt.ros.client.graph import in_words
 from grip_bt.ros.client.types import load_type
+from grip_bt.ros.command import advice, command_of
 from grip_bt.ros.components import start_components
 from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.interfaces.packages import PackageError
-from grip_bt.ros.process import advice, command_of
 from grip_bt.task.catalog.component_file import ComponentFile, Start
 
 pytestmark = pytest.mark.ros

@@ -18,9 +18,10 @@ from grip_bt.base.failures import BadReplyError, IncompatibleServerError, Server
 from grip_bt.base.ports import Component
 from grip_bt.base.values import Grasp, PointCloud
 from grip_bt.ros.client.types import ConversionError
+from grip_bt.ros.command import child_environment
 from grip_bt.ros.components import start_components
 from grip_bt.ros.interfaces import build_interfaces
-from grip_bt.ros.process import Process, child_environment
+from grip_bt.ros.process import Process
 from grip_bt.task.catalog.catalog import load_implementation
 from grip_bt.task.catalog.manifest import read_manifests
 

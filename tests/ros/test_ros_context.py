@@ -15,8 +15,8 @@ from ros_bench import ended
 
 from grip_bt.base.failures import ServerLostError
 from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.command import child_environment
 from grip_bt.ros.environment import DDS_PROFILE
-from grip_bt.ros.process import child_environment
 
 pytestmark = pytest.mark.ros
 OPEN = "import time, sys, os\nfrom grip_bt.ros.client.bus import Bus\nbus = Bus('leaves')\n"

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from grip_bt.ros.command import child_environment
 from grip_bt.ros.environment import DDS_PROFILE, environment
-from grip_bt.ros.process import child_environment
 
 WHEELS = Path("/venv/lib/rclpy")
 

@@ -11,11 +11,11 @@ import pytest
 from ros_bench import EXAMPLE
 from test_ros_interface_definitions import make_package
 
+from grip_bt.ros.command import child_environment
 from grip_bt.ros.interfaces import build_interfaces
 from grip_bt.ros.interfaces.compiler import InterfaceBuildError, _compile
 from grip_bt.ros.interfaces.generate import Generated
 from grip_bt.ros.interfaces.packages import OverlayError, Package, activate, search_path, share_folder
-from grip_bt.ros.process import child_environment
 
 USE = """
 import sys

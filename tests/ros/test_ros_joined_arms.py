@@ -48,8 +48,8 @@ root:
 @pytest.mark.slow
 def test_one_plan_goes_to_the_controllers_of_both_arms(tmp_path, domain, start_server):
     from grip_bt.commanders.description.load import build_robot
+    from grip_bt.ros.command import child_environment
     from grip_bt.ros.interfaces.build import ensure_package
-    from grip_bt.ros.process import child_environment
     from grip_bt.runtime import JournalReader
 
     (tmp_path / "grip.yaml").write_text(PROJECT)

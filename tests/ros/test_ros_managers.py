@@ -176,8 +176,8 @@ def test_without_a_server_a_request_ends_and_says_so(bus):
 
 
 def test_the_command_serves_a_project_and_keeps_its_messages_over_restarts(bus, folder, domain):
+    from grip_bt.ros.command import child_environment
     from grip_bt.ros.messages import RosMessages
-    from grip_bt.ros.process import child_environment
 
     (folder.parent / "grip.yaml").write_text("grip: 1\n")
     command = [sys.executable, "-m", "grip_bt.cli", "messages"]

@@ -11,7 +11,8 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import gone, kill, session_of
 
-from grip_bt.ros.process import Process, child_environment
+from grip_bt.ros.command import child_environment
+from grip_bt.ros.process import Process
 from grip_bt.task.catalog.component_file import Start
 
 STUBBORN = """
@@ -106,7 +107,8 @@ def test_everything_ends_when_we_are_killed(tmp_path):
     code = """
 import sys
 from pathlib import Path
-from grip_bt.ros.process import Process, child_environment
+from grip_bt.ros.command import child_environment
+from grip_bt.ros.process import Process
 here = Path(sys.argv[1])
 command = [sys.executable, "-c", sys.argv[2], str(here / "up")]
 process = Process("it", command, here, child_environment(), here / "it.log")

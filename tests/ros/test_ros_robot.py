@@ -46,8 +46,8 @@ root:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_server):
+    from grip_bt.ros.command import child_environment
     from grip_bt.ros.interfaces.build import ensure_package
-    from grip_bt.ros.process import child_environment
 
     by_topic = PROJECT.replace("trajectory: /allegro/follow_joint_trajectory", "topic: /allegro/joint_trajectory")
     (tmp_path / "grip.yaml").write_text(by_topic)
@@ -69,8 +69,8 @@ def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, sta
     from grip_bt.base.values import JointState, Pose
     from grip_bt.commanders.description.load import build_robot
     from grip_bt.commanders.kinematics.model import RobotModel
+    from grip_bt.ros.command import child_environment
     from grip_bt.ros.interfaces.build import ensure_package
-    from grip_bt.ros.process import child_environment
 
     (tmp_path / "grip.yaml").write_text(PROJECT)
     prefixes = [*ensure_package("control_msgs"), *ensure_package("controller_manager_msgs")]
@@ -172,8 +172,8 @@ ros:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain, start_server):
+    from grip_bt.ros.command import child_environment
     from grip_bt.ros.interfaces.build import ensure_package
-    from grip_bt.ros.process import child_environment
 
     (tmp_path / "task.yaml").write_text(TASK.replace("    open: {node: hand/open}\n", ""))
     start_server("move_group_server.py", "ur5_allegro", overlays=ensure_package("moveit_msgs"))
@@ -195,7 +195,7 @@ def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain, start_se
 @pytest.mark.sim
 @pytest.mark.slow
 def test_a_simulated_arm_says_that_move_group_is_not_there(tmp_path, domain):
-    from grip_bt.ros.process import child_environment
+    from grip_bt.ros.command import child_environment
 
     text = MOVEIT_PROJECT.replace("ur5_allegro", "panda_allegro").replace("wait: 400", "wait: 0.5")
     (tmp_path / "grip.yaml").write_text(text + "world: table\n")

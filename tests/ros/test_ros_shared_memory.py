@@ -11,8 +11,8 @@ import time
 import pytest
 from ros_bench import DATA
 
+from grip_bt.ros.command import child_environment
 from grip_bt.ros.environment import FOLDER, sweep
-from grip_bt.ros.process import child_environment
 
 
 def segments(folder):

@@ -144,7 +144,7 @@ def test_what_cannot_be_followed_is_rejected(world, bus, names, times, positions
 
 def test_a_task_runs_on_it_as_on_a_real_robot(world):
     """By what `grip sim` says is to be written: its room, its controllers, its camera."""
-    from grip_bt.ros.process import child_environment
+    from grip_bt.ros.command import child_environment
 
     said = world.log.read_text()
     settings = said[said.index("scene:") :].partition("\nserving")[0]

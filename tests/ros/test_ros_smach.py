@@ -347,7 +347,7 @@ def test_states_take_a_node_first_as_in_ros_2_and_resolve_names_by_it(ros, domai
 def test_an_interrupt_preempts_the_machine_and_the_program_ends_by_itself(domain, tmp_path):
     program = tmp_path / "program.py"
     program.write_text((DATA / "interrupted.py").read_text())
-    from grip_bt.ros.process import child_environment
+    from grip_bt.ros.command import child_environment
 
     process = subprocess.Popen(
         [sys.executable, str(program)], env=child_environment((), domain), stdout=subprocess.PIPE, text=True
@@ -384,7 +384,7 @@ def build():
 
 
 def test_a_legacy_file_that_calls_a_service_is_imported_and_run_by_the_commands(domain, server, tmp_path):
-    from grip_bt.ros.process import child_environment
+    from grip_bt.ros.command import child_environment
 
     (tmp_path / "legacy_ask.py").write_text(LEGACY)
     for words in (

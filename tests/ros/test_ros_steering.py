@@ -13,7 +13,8 @@ from ros_bench import ended
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Steerable
-from grip_bt.commanders.steering import STEP, SteeredMotion, steered, velocity_of
+from grip_bt.commanders.steered_motion import STEP, SteeredMotion, velocity_of
+from grip_bt.commanders.steering import steered
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 NAMES = ("joint_a", "joint_b")
@@ -55,7 +56,7 @@ def test_a_steered_motion_goes_on_and_ends_soon_after_the_last_word(bus, states,
         executor = StreamedExecutor(bus, "/stream/commands", NAMES, states)
     assert isinstance(executor, Steerable)
     until(lambda: executor.steerable, "the topic isn't heard")
-    monkeypatch.setattr("grip_bt.commanders.steering.HOLD", HOLD)
+    monkeypatch.setattr("grip_bt.commanders.steered_motion.HOLD", HOLD)
     stream, amended, begin, longest = SteeredMotion(executor, plan_step), [], states.state(NAMES).position, 0
     amend, deadline = executor.amend, time.monotonic() + 5 * PATIENCE
     executor.amend = lambda tail, at: amended.append(amend(tail, at)) or amended[-1]

@@ -15,7 +15,7 @@ from patience import PATIENCE, until
 from ros_bench import DATA, ended, gone, stands
 
 from grip_bt.base.interpreter import python_command
-from grip_bt.ros.process import child_environment
+from grip_bt.ros.command import child_environment
 from grip_bt.ros.watchdog import REPORT
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.ros.process import child_environment
+from grip_bt.ros.command import child_environment
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(900)]
 CLIENT = Path(__file__).parent / "data" / "plain_task_client.py"

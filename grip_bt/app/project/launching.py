@@ -12,7 +12,7 @@ from jinja2 import Environment
 
 from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.ros.process import text_of
+from grip_bt.ros.command import text_of
 from grip_bt.ros.process_group import Member, member_of
 from grip_bt.task.catalog.component_file import Start, load_component
 

@@ -32,7 +32,8 @@ from ..planning.requests import (
     Situation,
 )
 from ..scene import PlanningScene
-from ..steering import jogged, steered, velocity_of
+from ..steered_motion import velocity_of
+from ..steering import jogged, steered
 from ..taught import TaughtStates
 from .joints import FakeExecutor
 

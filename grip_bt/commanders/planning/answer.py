@@ -42,7 +42,8 @@ from grip_bt.commanders.planning.requests import (
 from grip_bt.commanders.planning.search import Search, first_success
 from grip_bt.commanders.planning.straight import plan_straight
 from grip_bt.commanders.planning.through import plan_through
-from grip_bt.commanders.steering import bounded, steered, velocity_of
+from grip_bt.commanders.steered_motion import velocity_of
+from grip_bt.commanders.steering import bounded, steered
 from grip_bt.commanders.trajectory.limits import longer, refuse_beyond_limits
 
 

@@ -4,28 +4,20 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from grip_bt.app.project.folder import find_project
-from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store.text import fields_of
-from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.graph import topics
 from grip_bt.ros.client.types import load_type, type_name
-from grip_bt.ros.convert import from_message
-from grip_bt.ros.convert_values import depth_from_message
 from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
 from grip_bt.ros.messages.wire import entry_rows, pack, text_of_entry
 from grip_bt.task.catalog.ros_config import MESSAGES
-from grip_gui.runs.values import ROWS, value_view
-from grip_gui.wire.runs import ValueView
+from grip_gui.live.message_view import message_view
 
 APPEARS = 2.0  # how long a server of messages may take to be found [s]
 ANSWERS = 10.0
@@ -127,49 +119,3 @@ class RosInspector:
         if not operation.wait(ANSWERS):
             raise ExpectedError("the message server does not answer")
         return operation.result()
-
-
-_DEPTHS = ("32FC1", "16UC1")
-
-
-def message_view(type_name: str, message: object) -> ValueView:
-    """Return what a page shows of a message, as the value that a task would get of it where there is one."""
-    value = _value(type_name, message)
-    if value is not None:
-        return value_view(type_name, value)
-    if fields_of(message) is None:
-        return value_view(type_name, message)
-    rows = [[path, text] for path, text in _flat(message, "")]
-    shown = rows[:ROWS] + ([["...", "there is more"]] if len(rows) > ROWS else [])
-    return ValueView(type=type_name, text=", ".join(f"{p}: {t}" for p, t in rows[:3]), rows=shown)
-
-
-def _value(type_name: str, message: Any) -> Any:
-    wanted = next((name for name, ros in MESSAGES.items() if ros == type_name), None)
-    try:
-        if wanted == "Image" and message.encoding in _DEPTHS:
-            # Only the picture is shown, for which any camera of this size will do.
-            info = CameraInfo(message.width, message.height, np.eye(3), Pose((0, 0, 0)))
-            return depth_from_message(message, info)
-        return None if wanted is None else from_message(message, wanted)
-    except (GripError, ValueError):
-        return None  # it is shown as the message that it is
-
-
-def _flat(part: object, path: str) -> Iterator[tuple[str, str]]:
-    if (names := fields_of(part)) is not None:
-        for name in names:
-            yield from _flat(getattr(part, name), f"{path}.{name}" if path else name)
-    elif isinstance(part, list | tuple) and part and fields_of(part[0]) is not None:
-        for at, each in enumerate(part):
-            yield from _flat(each, f"{path}[{at}]")
-    else:
-        yield path, _short(part)
-
-
-def _short(part: object) -> str:
-    if isinstance(part, float):
-        return f"{part:.6g}"
-    if hasattr(part, "__len__") and not isinstance(part, str) and len(part) > 12:
-        return f"{len(part)} elements"
-    return str(part.tolist() if hasattr(part, "tolist") else part)[:300]

@@ -39,7 +39,7 @@ def tried(folder: Path, given: Mapping[str, Mapping[str, Any]]) -> TryView:
         ExpectedError: it doesn't answer, or answers what it may not.
     """
     from grip_bt.ros.components import start_components  # here, since robots are measured without ROS too
-    from grip_gui.live.inspector import message_view
+    from grip_gui.live.message_view import message_view
 
     component, project = load_component(folder), find_project(folder)
     refuse(of_component(folder))
