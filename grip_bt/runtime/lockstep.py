@@ -65,6 +65,7 @@ class _Pending:
         patient: whether that lasts until it ends; else while threads work on it, for longer than was `known`.
         finish: tells the end; None before it.
         waits: for what the code that works for it waits.
+        waited: whether that took time since this was looked at, which is no time of its own.
     """
 
     key: tuple[int, ...]
@@ -74,6 +75,7 @@ class _Pending:
     whole: Operation[Any] | None = None
     finish: Callable[[], None] | None = None
     waits: list[Operation[Any]] = field(default_factory=list)
+    waited: bool = False
     count: int = 0
     known: dict[str, float] = field(default_factory=dict)
 
@@ -88,7 +90,11 @@ class _Pending:
 
     def holds_now(self) -> bool:
         """Tell whether time stands still for it; not while it waits for something else."""
-        return self.holds and (not self.waits or any(operation.done() for operation in self.waits))
+        if self.waits and not any(operation.done() for operation in self.waits):
+            return False
+        if self.waited:
+            self.waited, self.asked = False, time.monotonic()
+        return self.holds
 
 
 _CALLER: ContextVar[_Pending | None] = ContextVar("grip_caller", default=None)
@@ -205,13 +211,13 @@ class Lockstep:
     def _while_waiting(self, pending: _Pending, operation: Operation[object]) -> Iterator[None]:
         with self._changed:
             pending.waits.append(operation)
+            pending.waited = True
             self._changed.notify_all()
         try:
             yield
         finally:
             with self._changed:
                 pending.waits.remove(operation)
-                pending.asked = time.monotonic()
 
     # --- for the threads of the run ---
 

@@ -7,12 +7,13 @@ import random
 import subprocess
 import sys
 import threading
+import time
 from typing import Any
 
 import pytest
 from stepped_world import KINDS, SteppedWorld, Trace, runner_of
 
-from grip_bt.base.operation import Operation
+from grip_bt.base.operation import WAITS, Operation
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.runtime import RunContext, Runner, RunParts, lockstep
 from grip_bt.runtime.clock import Waker
@@ -114,6 +115,30 @@ def test_time_stands_still_for_who_thinks_however_long_and_goes_on_without_who_s
     part.process.kill()
     assert asked.done() == holds
     assert (world.clock.now() == 0.0) == holds
+
+
+def test_code_that_has_waited_long_holds_time_before_it_comes_to_a_processor(monkeypatch):
+    """As a coroutine does after a motion that took long of ours: a filmed one, or one on a busy machine."""
+    monkeypatch.setattr(lockstep, "GRACE", 0.5)
+    delays = iter([0.6])
+    world = SteppedWorld(lambda: next(delays, 0.0))
+    turns = Lockstep(world)
+    context = RunContext(world.clock, RunParts(lockstep=turns))
+
+    def work() -> float:
+        motion = world.move(0.1)
+        with WAITS.get()(motion):
+            motion.wait_here()
+            time.sleep(0.1)
+        return world.clock.now() - motion.result()
+
+    turns.begin(context.waker)
+    worked = context.run_in_worker(work)
+    context.wake_at(0.3)
+    turns.rest_until(worked.done, 0.3)
+    turns.rest_until(worked.done, None)
+    turns.end()
+    assert worked.result() == 0.0
 
 
 @pytest.mark.parametrize("target", TARGETS)
