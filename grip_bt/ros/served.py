@@ -35,6 +35,8 @@ from .frames import FrameTree
 Measured = Executor | HandPort
 RATE = 50.0
 """Messages of joint states a second."""
+UNHEARD = 0.2
+"""Interval at which it is asked whether somebody listens now [s]."""
 
 
 class Published:
@@ -42,7 +44,8 @@ class Published:
 
     Args:
         period: [s].
-        once: publishes what there is now; called once a period, or as often as it can be.
+        once: publishes what there is now, and returns False where nobody listens; called once a period, or as often as
+            it can be.
     """
 
     def __init__(self, name: str, period: float, once: Callable[[], object]):
@@ -59,16 +62,24 @@ class Published:
         while not self._closed.wait(max(0.0, due - time.monotonic())):
             due = max(due + self._period, time.monotonic())
             try:
-                self._once()
+                if self._once() is False:
+                    due = time.monotonic() + UNHEARD
             except GripError:
                 return  # what measures has ended; whoever runs it says so
 
 
 def publish_joints(bus: Bus, topic: str, executors: Sequence[Measured], now: Callable[[], float]) -> Published:
-    """Publish where joints are, in one message, on a topic such as `/joint_states`; `now` is the time of stamps [s]."""
-    writer = bus.writer("sensor_msgs/msg/JointState", topic)
+    """Publish where joints are, in one message, on a topic such as `/joint_states`, while somebody listens.
 
-    def once() -> None:
+    Args:
+        now: the time of stamps [s].
+    """
+    writer = bus.writer("sensor_msgs/msg/JointState", topic)
+    writer.advertise()
+
+    def once() -> bool:
+        if not writer.listeners():
+            return False
         stamp, states = now(), [executor.state() for executor in executors]
         message = writer.type(header=header("", stamp))
         message.name = [name for state in states for name in state.names]
@@ -78,6 +89,7 @@ def publish_joints(bus: Bus, topic: str, executors: Sequence[Measured], now: Cal
             if all(values is not None for values in known):
                 setattr(message, part, [float(value) for values in known for value in values])
         writer.publish(message)
+        return True
 
     return Published("grip_joint_states", 1 / RATE, once)
 
@@ -100,11 +112,12 @@ def publish_felt(
     """
     made = bus.ask(lambda: {link: bus.node.create_publisher(type_, topic, 10) for link, topic in topics.items()})
 
-    def once() -> None:
+    def once() -> bool:
         if wanted := bus.ask(lambda: [link for link, each in made.items() if each.get_subscription_count()]):
             felt, stamp = measure(), now()
             for link in wanted:
                 bus.post(partial(made[link].publish, message_of(link, felt.get(link, 0.0), stamp)))
+        return bool(wanted)
 
     return Published("grip_touch", 1 / RATE, once)
 
@@ -179,7 +192,7 @@ def publish_frames(
     now: Callable[[], float],
     rate: float = 30.0,
 ) -> Published:
-    """Publish `/robot_description`, `/tf` and `/tf_static`, as robot_state_publisher does.
+    """Publish `/robot_description`, `/tf_static`, and `/tf` while somebody listens, as robot_state_publisher does.
 
     Args:
         executors: which measure all joints; others are where the description has them at rest.
@@ -208,13 +221,16 @@ def publish_frames(
 
     moving = bus.ask(begin)
 
-    def once() -> None:
+    def once() -> bool:
+        if not bus.ask(moving.get_subscription_count):
+            return False
         positions = dict(robot.at_rest)
         for executor in executors:
             positions |= executor.state().as_mapping()
         there = robot.with_followers(positions)
         told = message({joint.child: joint.pose(there.get(joint.name, 0.0)) for joint in joints})
         bus.post(partial(moving.publish, told))
+        return True
 
     return Published("grip_robot_state", 1 / rate, once)
 
