@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
@@ -29,10 +28,12 @@ from grip_bt.ros.convert_values import (
 )
 from grip_bt.ros.interfaces.build import ensure_package
 
-from .client.types import Message, load_type
+from .client.topic import TopicWriter
+from .client.types import InterfaceType, Message, load_type
 from .frames import FrameTree
 
 Measured = Executor | HandPort
+Writers = Mapping[str, TopicWriter]
 RATE = 50.0
 """Messages of joint states a second."""
 UNHEARD = 0.2
@@ -40,16 +41,19 @@ UNHEARD = 0.2
 
 
 class Published:
-    """What is published again and again, on a thread of its own, until it is closed.
+    """What is published again and again while somebody listens, on a thread of its own, until it is closed.
 
     Args:
         period: [s].
-        once: publishes what there is now, and returns False where nobody listens; called once a period, or as often as
-            it can be.
+        writers: key -> what publishes on a topic.
+        once: publishes what there is now, given the keys of topics with listeners; called once a period, or as often
+            as it can be.
     """
 
-    def __init__(self, name: str, period: float, once: Callable[[], object]):
-        self._closed, self._period, self._once = threading.Event(), period, once
+    def __init__(self, bus: Bus, name: str, period: float, writers: Writers, once: Callable[[list[str]], object]):
+        self._closed, self._bus, self._period, self._writers, self._once = threading.Event(), bus, period, writers, once
+        for writer in writers.values():
+            writer.advertise()
         self._thread = threading.Thread(target=self._publish, name=name, daemon=True)
         self._thread.start()
 
@@ -62,24 +66,19 @@ class Published:
         while not self._closed.wait(max(0.0, due - time.monotonic())):
             due = max(due + self._period, time.monotonic())
             try:
-                if self._once() is False:
+                if wanted := self._bus.ask(lambda: [key for key, each in self._writers.items() if each.listeners()]):
+                    self._once(wanted)
+                else:
                     due = time.monotonic() + UNHEARD
             except GripError:
                 return  # what measures has ended; whoever runs it says so
 
 
 def publish_joints(bus: Bus, topic: str, executors: Sequence[Measured], now: Callable[[], float]) -> Published:
-    """Publish where joints are, in one message, on a topic such as `/joint_states`, while somebody listens.
-
-    Args:
-        now: the time of stamps [s].
-    """
+    """Publish where joints are, in one message, on a topic such as `/joint_states`; `now` is the time of stamps [s]."""
     writer = bus.writer("sensor_msgs/msg/JointState", topic)
-    writer.advertise()
 
-    def once() -> bool:
-        if not writer.listeners():
-            return False
+    def once(_: list[str]) -> None:
         stamp, states = now(), [executor.state() for executor in executors]
         message = writer.type(header=header("", stamp))
         message.name = [name for state in states for name in state.names]
@@ -89,9 +88,8 @@ def publish_joints(bus: Bus, topic: str, executors: Sequence[Measured], now: Cal
             if all(values is not None for values in known):
                 setattr(message, part, [float(value) for values in known for value in values])
         writer.publish(message)
-        return True
 
-    return Published("grip_joint_states", 1 / RATE, once)
+    return Published(bus, "grip_joint_states", 1 / RATE, {topic: writer}, once)
 
 
 def publish_felt(
@@ -99,10 +97,10 @@ def publish_felt(
     topics: Mapping[str, str],
     now: Callable[[], float],
     measure: Callable[[], Mapping[str, Any]],
-    type_: type,
+    type_: InterfaceType,
     message_of: Callable[[str, Any, float], Message],
 ) -> Published:
-    """Publish what links of a robot feel, each on its topic, while somebody listens to one of these.
+    """Publish what links of a robot feel, each on its topic.
 
     Args:
         topics: link -> topic.
@@ -110,16 +108,14 @@ def publish_felt(
         measure: returns link -> what is felt; 0 for those that it doesn't name.
         message_of: makes the message, of this type, of a link at a time [s].
     """
-    made = bus.ask(lambda: {link: bus.node.create_publisher(type_, topic, 10) for link, topic in topics.items()})
+    writers = {link: bus.writer(type_, topic) for link, topic in topics.items()}
 
-    def once() -> bool:
-        if wanted := bus.ask(lambda: [link for link, each in made.items() if each.get_subscription_count()]):
-            felt, stamp = measure(), now()
-            for link in wanted:
-                bus.post(partial(made[link].publish, message_of(link, felt.get(link, 0.0), stamp)))
-        return bool(wanted)
+    def once(wanted: list[str]) -> None:
+        felt, stamp = measure(), now()
+        for link in wanted:
+            writers[link].publish(message_of(link, felt.get(link, 0.0), stamp))
 
-    return Published("grip_touch", 1 / RATE, once)
+    return Published(bus, "grip_touch", 1 / RATE, writers, once)
 
 
 def wrench_to_message(link: str, borne: Array, time: float) -> WrenchStamped:
@@ -142,7 +138,7 @@ SHARE = 0.4
 
 
 class CameraPublisher(Published):
-    """Takes frames while somebody listens, and publishes them, all messages of a frame with one stamp.
+    """Takes frames and publishes them, all messages of a frame with one stamp.
 
     Everything is in the optical frame `<name>_optical`; where that is, is for TF or the listener's own settings.
 
@@ -155,20 +151,16 @@ class CameraPublisher(Published):
     def __init__(self, bus: Bus, name: str, camera: Camera, rate: float = 5.0, now: Callable[[], float] = time.time):
         self._camera, self._now, self.frame = camera, now, f"{name}_optical"
         self.topics = {part: f"/{name}/{topic}" for part, (topic, *_) in TOPICS.items()}
-        self._writers = {part: bus.writer(TOPICS[part][1], topic) for part, topic in self.topics.items()}
-        for writer in self._writers.values():
-            writer.advertise()
-        super().__init__(f"grip_camera_{name}", 1 / rate, self._take)
+        writers = {part: bus.writer(TOPICS[part][1], topic) for part, topic in self.topics.items()}
+        super().__init__(bus, f"grip_camera_{name}", 1 / rate, writers, self._take)
 
-    def _take(self) -> None:
-        wanted = [part for part, writer in self._writers.items() if writer.listeners()]
-        if wanted:
-            began, stamp = time.monotonic(), self._now()
-            taken = self._camera.capture()
-            taken.wait()
-            self._send(taken.result(), stamp, wanted)
-            took = time.monotonic() - began
-            self._closed.wait(took / SHARE - took)
+    def _take(self, wanted: list[str]) -> None:
+        began, stamp = time.monotonic(), self._now()
+        taken = self._camera.capture()
+        taken.wait()
+        self._send(taken.result(), stamp, wanted)
+        took = time.monotonic() - began
+        self._closed.wait(took / SHARE - took)
 
     def _send(self, taken: RgbdFrame, stamp: float, wanted: list[str]) -> None:
         info = replace(taken.depth.info, pose=Pose(frame=self.frame))
@@ -192,7 +184,7 @@ def publish_frames(
     now: Callable[[], float],
     rate: float = 30.0,
 ) -> Published:
-    """Publish `/robot_description`, `/tf_static`, and `/tf` while somebody listens, as robot_state_publisher does.
+    """Publish `/robot_description`, `/tf` and `/tf_static`, as robot_state_publisher does.
 
     Args:
         executors: which measure all joints; others are where the description has them at rest.
@@ -212,30 +204,30 @@ def publish_frames(
             transforms.append(transform)
         return frames(transforms=transforms)
 
-    def begin() -> Any:
+    def begin() -> None:
         kept = {"/robot_description": text(data=robot.urdf)}
         kept["/tf_static"] = message(FrameTree.of_urdf(robot.urdf).with_poses(fixed).poses)
         for topic, told in kept.items():
             bus.node.create_publisher(type(told), topic, KEPT).publish(told)
-        return bus.node.create_publisher(frames, "/tf", 10)
 
-    moving = bus.ask(begin)
+    bus.ask(begin)
+    moving = bus.writer(frames, "/tf")
 
-    def once() -> bool:
-        if not bus.ask(moving.get_subscription_count):
-            return False
+    def once(_: list[str]) -> None:
         positions = dict(robot.at_rest)
         for executor in executors:
             positions |= executor.state().as_mapping()
         there = robot.with_followers(positions)
-        told = message({joint.child: joint.pose(there.get(joint.name, 0.0)) for joint in joints})
-        bus.post(partial(moving.publish, told))
-        return True
+        moving.publish(message({joint.child: joint.pose(there.get(joint.name, 0.0)) for joint in joints}))
 
-    return Published("grip_robot_state", 1 / rate, once)
+    return Published(bus, "grip_robot_state", 1 / rate, {"/tf": moving}, once)
 
 
 def publish_clock(bus: Bus, now: Callable[[], float], rate: float = 100.0) -> Published:
     """Publish the simulated time `now` [s] on `/clock`, at a rate [Hz]."""
     writer = bus.writer("rosgraph_msgs/msg/Clock", "/clock")
-    return Published("grip_clock", 1 / rate, lambda: writer.publish(writer.type(clock=header("", now()).stamp)))
+
+    def once(_: list[str]) -> None:
+        writer.publish(writer.type(clock=header("", now()).stamp))
+
+    return Published(bus, "grip_clock", 1 / rate, {"/clock": writer}, once)

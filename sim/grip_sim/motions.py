@@ -91,18 +91,13 @@ class Follow:
     """Joints follow a timed path, interpolated as `Trajectory.sampled` does.
 
     Args:
-        rows: which joints, n of them.
-        times: shape (k,), from 0 [s].
-        positions: shape (k, n) [rad].
-        velocities: shape (k, n) [rad/s], or None for differences of the positions.
+        rows: which joints.
+        path: of these joints, in this order.
         begun: simulated time now [s].
     """
 
-    def __init__(
-        self, robot: SimRobot, rows: Indices, times: Array, positions: Array, velocities: Array | None, begun: float
-    ):
-        self.rows, self._robot, self._begun = rows, robot, begun
-        self._path = Trajectory(robot.measure(rows).names, times, positions, velocities)
+    def __init__(self, robot: SimRobot, rows: Indices, path: Trajectory, begun: float):
+        self.rows, self._robot, self._path, self._begun = rows, robot, path, begun
         self._since = 0.0
         """When `_path` begins, on the time of the motion [s]: what was followed long ago is forgotten."""
         self._ahead: dict[int, tuple[Array, Array]] = {}
@@ -138,7 +133,7 @@ class Follow:
         error = np.abs(self._robot.positions()[self.rows] - self._path.positions[0])
         if error.max() <= START_TOLERANCE:
             return ""
-        joint = self._robot.measure(self.rows).names[int(error.argmax())]
+        joint = self._path.names[int(error.argmax())]
         return f"{joint} is {error.max():.3f} rad away from the start of the trajectory"
 
     def advance(self, world: World) -> Ended | None:
@@ -158,7 +153,7 @@ class Follow:
         if error.max() < END_TOLERANCE and slow:
             return Ended()
         if t > end + GRACE:
-            joint = self._robot.measure(self.rows).names[int(error.argmax())]
+            joint = self._path.names[int(error.argmax())]
             state = "still moves and is" if error.max() < END_TOLERANCE else "is still"
             return Ended("aborted", f"{joint} {state} {error.max():.3f} rad away from the end of the trajectory")
         return None

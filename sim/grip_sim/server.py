@@ -21,7 +21,7 @@ from pydantic import TypeAdapter
 
 from grip_bt.base.arrays import Array, Indices
 from grip_bt.base.errors import GripError
-from grip_bt.base.values import Pose
+from grip_bt.base.values import Pose, Trajectory
 from grip_bt.commanders.trajectory.stopping import even_ramp
 from grip_sim.cameras.rig import Film
 from grip_sim.connection import ClosedError, pack, receive
@@ -259,26 +259,18 @@ class Server:
         if self._held:
             raise GripError("the robot was stopped by the supervisor of this run; no further motion is accepted")
 
-    def _call_follow(
-        self,
-        number: int,
-        names: list[str],
-        times: Array,
-        positions: Array,
-        velocities: Array | None = None,
-        from_here: bool = False,
-    ) -> None:
+    def _call_follow(self, number: int, names: list[str], from_here: bool = False, **path: Array) -> None:
         self._allow_motion()
         robot, rows = self.world.robot, self.world.robot.rows(names)
         if from_here:
-            positions = np.vstack([robot.positions()[rows], positions[1:]])
-            velocities = None if velocities is None else np.vstack([robot.velocities()[rows], velocities[1:]])
-        motion = Follow(robot, rows, times, positions, velocities, self.world.time)
+            now = robot.measure(rows)
+            begins = {"positions": now.position, "velocities": now.velocity}
+            path |= {part: np.vstack([begins[part], path[part][1:]]) for part in begins.keys() & path}
+        motion = Follow(robot, rows, Trajectory(tuple(names), **path), self.world.time)
         self._replace(rows)
         robot.limit_torque(rows, None)
         self._motions[number] = motion
-        wrong = motion.wrong_start()
-        if wrong:
+        if wrong := motion.wrong_start():
             self._finish(number, Ended("aborted", wrong))
 
     def _following(self, names: list[str]) -> Follow | None:
@@ -289,12 +281,9 @@ class Server:
         motion = self._following(names)
         return {"passed": None if motion is None else motion.passed(self.world.time)}
 
-    def _call_amend(
-        self, number: int, names: list[str], at: float, times: Array, positions: Array, velocities: Array
-    ) -> Answer:
+    def _call_amend(self, number: int, names: list[str], at: float, **path: Array) -> Answer:
         motion = self._following(names)
-        amended = motion is not None and motion.amend(self.world.time, at, times, positions, velocities)
-        return {"amended": amended}
+        return {"amended": motion is not None and motion.amend(self.world.time, at, **path)}
 
     def _call_move_hand(
         self, number: int, names: list[str], goal: Array, duration: float, limit: float | None, force: float | None

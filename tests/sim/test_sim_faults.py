@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from test_sim_forces import held
 
 from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.values import Trajectory
 from grip_bt.commanders.description.load import load_robot
 from grip_sim.faults import Fault, Faults, check_faults
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
@@ -159,7 +160,8 @@ def test_a_joint_that_cannot_move_makes_its_motion_fail_and_moves_again_afterwar
     def motion(world):
         rows = world.robot.rows(["panda_joint4"])
         q = world.robot.positions()[rows]
-        follow = Follow(world.robot, rows, np.array([0.0, 1.0]), np.array([q, q + 0.3]), None, world.time)
+        path = Trajectory(("panda_joint4",), [0.0, 1.0], [q, q + 0.3])
+        follow = Follow(world.robot, rows, path, world.time)
         while (end := follow.advance(world)) is None:
             world.step()
         return end, float(world.robot.positions()[rows][0] - q[0])
