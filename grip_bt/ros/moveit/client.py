@@ -5,28 +5,24 @@ MoveIt's error codes are the failures that tasks know; each keeps MoveIt's own n
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from grip_bt.base import failures
 from grip_bt.base.failures import (
     BadReplyError,
     CanceledError,
-    ConstraintBrokenError,
     ExecutionAbortedError,
     ExpectedError,
-    GoalInCollisionError,
     GoalRejectedError,
-    NoIkError,
     NoPlanError,
-    OutOfLimitsError,
-    PathInvalidError,
     PlannerLostError,
-    SensorError,
     ServerLostError,
     ServerTimeOutError,
-    StartInCollisionError,
-    TimeOutError,
 )
 from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import Trajectory
+from grip_bt.base.yaml.tree import parse, to_data
 
 from ..client.bus import Bus
 from ..client.goal import GoalEnd
@@ -150,39 +146,9 @@ def _ended(end: GoalEnd) -> Operation[Message]:
 
 SUCCESS = 1
 FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
-    "PLANNING_FAILED": (NoPlanError, "no path was found"),
-    "FAILURE": (NoPlanError, "it failed without a reason; see move_group's log"),
-    "UNDEFINED": (NoPlanError, "it gave no answer that means anything; its own log may tell why"),
-    "GOAL_CONSTRAINTS_VIOLATED": (NoPlanError, "the path that was found ends elsewhere"),
-    "GOAL_STATE_INVALID": (NoPlanError, "the goal can't be reached, or not without touching something"),
-    "INVALID_MOTION_PLAN": (PathInvalidError, "the path that was found isn't free"),
-    "MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE": (PathInvalidError, "something came in the way"),
-    "CONTROL_FAILED": (ExecutionAbortedError, "a controller aborted the motion"),
-    "ABORT": (ExecutionAbortedError, "it was aborted"),
-    "UNABLE_TO_AQUIRE_SENSOR_DATA": (SensorError, "a sensor that it needs gives nothing"),
-    "ROBOT_STATE_STALE": (SensorError, "it has no recent joint states"),
-    "SENSOR_INFO_STALE": (SensorError, "a sensor that it needs gives nothing new"),
-    "TIMED_OUT": (TimeOutError, "its time was over; give the arm a longer `planning_time`"),
-    "PREEMPTED": (CanceledError, "it was told to stop"),
-    "START_STATE_IN_COLLISION": (StartInCollisionError, "the robot touches something where the motion begins"),
-    "START_STATE_INVALID": (OutOfLimitsError, "a joint is outside its limits at the start"),
-    "START_STATE_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the start violates the path constraint"),
-    "GOAL_IN_COLLISION": (GoalInCollisionError, "the robot would touch something at the goal"),
-    "GOAL_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the goal violates the path constraint"),
-    "NO_IK_SOLUTION": (NoIkError, "no joint positions reach the pose"),
-    "INVALID_GROUP_NAME": (
-        GoalRejectedError,
-        "it has no such group of joints; say its own name under `ros: {move_group: {groups: {GROUP: ITS_NAME}}}`",
-    ),
-    "INVALID_GOAL_CONSTRAINTS": (GoalRejectedError, "its planner can't take such a goal; choose another pipeline"),
-    "UNRECOGNIZED_GOAL_TYPE": (GoalRejectedError, "its planner can't take such a goal; choose another pipeline"),
-    "INVALID_ROBOT_STATE": (GoalRejectedError, "it has other joints; is it started for the same robot?"),
-    "INVALID_LINK_NAME": (GoalRejectedError, "it has no such link; is it started for the same robot?"),
-    "INVALID_OBJECT_NAME": (GoalRejectedError, "its scene has no such object"),
-    "FRAME_TRANSFORM_FAILURE": (GoalRejectedError, "it doesn't know the robot's base link as a frame"),
-    "COLLISION_CHECKING_UNAVAILABLE": (GoalRejectedError, "it can't check collisions"),
-    "COMMUNICATION_FAILURE": (PlannerLostError, "it couldn't reach a part of itself"),
-    "CRASH": (PlannerLostError, "its planner crashed; its own log tells why"),
+    name: (getattr(failures, kind), meaning)
+    for kind, meanings in to_data(parse(Path(__file__).with_name("failures.yaml").read_text())).items()
+    for name, meaning in meanings.items()
 }
 
 
