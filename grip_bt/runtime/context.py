@@ -26,7 +26,8 @@ from grip_bt.base.ports import (
 from grip_bt.runtime.motion_end import Measure, Motions, Moved, Rest, measured_rest
 
 from .clock import Waker, WallClock
-from .lockstep import InTurn, Lockstep, thought_of
+from .lockstep import InTurn, Lockstep
+from .pending import thought_of
 
 T = TypeVar("T")
 MESSAGES = ("next", "recent", "together")

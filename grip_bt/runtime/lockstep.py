@@ -13,36 +13,29 @@ without it, and a time-out around it ends at its own moment of the run's clock.
 
 from __future__ import annotations
 
-import logging
 import os
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
-from pathlib import Path
 from typing import Any, TypeVar
 
-from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import WAITS, Operation
 from grip_bt.base.ports import Stepped
 from grip_bt.runtime.clock import Waker
+from grip_bt.runtime.pending import Patience, Pending, thought_of
 
 T = TypeVar("T")
-Patience = bool | Callable[[], dict[str, float]]
-"""Whether a call surely ends, however long that takes; or what tells who works on it, see `thought_of`."""
 GRACE = 10.0
 """Least time for which a call holds simulated time [s of ours]."""
-THINKING = 0.3
-"""Who works on a call thinks where a thread of theirs ran, or waited for a processor, for this part of the time."""
 IDLE = 0.1
 """Where nobody is known to wait for anything, time passes as ours does, in parts of this [s]."""
 LOOK = 0.005
 """Interval at which code that goes on although it was told to stop is looked at [s of ours]."""
-_log = logging.getLogger(__name__)
 
 
 @dataclass(eq=False)
@@ -55,49 +48,7 @@ class _Thread:
     branches: int = 0
 
 
-@dataclass(eq=False)
-class _Pending:
-    """Something under way that will end.
-
-    Attributes:
-        key: orders what is pending as it was asked for; what code in a worker asks for comes after that code.
-        holds: whether time stands still for it; not for a motion, nor for what was waited for too long.
-        patient: whether that lasts until it ends; else while threads work on it, for longer than was `known`.
-        finish: tells the end; None before it.
-        waits: for what the code that works for it waits.
-        waited: whether that took time since this was looked at, which is no time of its own.
-    """
-
-    key: tuple[int, ...]
-    holds: bool
-    patient: Patience
-    asked: float
-    whole: Operation[Any] | None = None
-    finish: Callable[[], None] | None = None
-    waits: list[Operation[Any]] = field(default_factory=list)
-    waited: bool = False
-    count: int = 0
-    known: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def busy(self) -> bool:
-        return self.whole is not None and self.whole.busy
-
-    @property
-    def ready(self) -> bool:
-        """Whether its end can be told; not while code goes on for which time stands still."""
-        return self.finish is not None and not (self.holds and self.busy)
-
-    def holds_now(self) -> bool:
-        """Tell whether time stands still for it; not while it waits for something else."""
-        if self.waits and not any(operation.done() for operation in self.waits):
-            return False
-        if self.waited:
-            self.waited, self.asked = False, time.monotonic()
-        return self.holds
-
-
-_CALLER: ContextVar[_Pending | None] = ContextVar("grip_caller", default=None)
+_CALLER: ContextVar[Pending | None] = ContextVar("grip_caller", default=None)
 """For whom the code in this worker works."""
 
 
@@ -133,8 +84,8 @@ class Lockstep:
         self._threads: dict[int, _Thread] = {threading.get_ident(): self._first}
         self._turn: _Thread | None = self._first
         self._waiting: list[_Thread] = []
-        self._pending: list[_Pending] = []
-        self._busy: list[_Pending] = []
+        self._pending: list[Pending] = []
+        self._busy: list[Pending] = []
         self._count, self._going, self._known = 0, False, -1
         self._driver: int | None = None
         WAITS.set(self._until_done)
@@ -155,7 +106,7 @@ class Lockstep:
             self._changed.notify_all()
         self._world.go_freely()
         for pending in ready:
-            _tell(pending, canceled)
+            pending.tell(canceled)
 
     def through(self, operation: Operation[T], *, holds: bool = True, patient: Patience = False) -> Operation[T]:
         """Return an operation for the run, which hears of its end in turn.
@@ -186,7 +137,7 @@ class Lockstep:
         begun.wait()  # or else it would depend on the threads whether code is begun that is interrupted soon
         return operation.in_turn(partial(self._hand_in, pending))
 
-    def _ask(self, holds: bool, patient: Patience) -> _Pending:
+    def _ask(self, holds: bool, patient: Patience) -> Pending:
         caller = _CALLER.get()
         with self._changed:
             if caller is None:
@@ -195,11 +146,11 @@ class Lockstep:
             else:
                 caller.count += 1
                 key = (*caller.key, caller.count)
-            pending = _Pending(key, holds, patient, time.monotonic(), known=patient() if callable(patient) else {})
+            pending = Pending(key, holds, patient, time.monotonic(), known=patient() if callable(patient) else {})
             self._pending.append(pending)
         return pending
 
-    def _hand_in(self, pending: _Pending, whole: Operation[object], finish: Callable[[], None]) -> None:
+    def _hand_in(self, pending: Pending, whole: Operation[object], finish: Callable[[], None]) -> None:
         with self._changed:
             if self._on and pending in self._pending:
                 pending.whole, pending.finish = whole, finish
@@ -208,7 +159,7 @@ class Lockstep:
         finish()
 
     @contextmanager
-    def _while_waiting(self, pending: _Pending, operation: Operation[object]) -> Iterator[None]:
+    def _while_waiting(self, pending: Pending, operation: Operation[object]) -> Iterator[None]:
         with self._changed:
             pending.waits.append(operation)
             pending.waited = True
@@ -335,7 +286,7 @@ class Lockstep:
             if pending.ready:
                 self._pending.remove(pending)
                 self._busy += [pending] if pending.busy else []
-                return partial(_tell, pending)
+                return pending.tell
             if pending.holds_now():
                 self._wait_for(pending, waker.due)
                 return None
@@ -348,15 +299,13 @@ class Lockstep:
             moments.append(self._now() + least)
         return partial(self._go, min(moments, default=None), waker.wakes)
 
-    def _wait_for(self, pending: _Pending, due: float | None) -> None:
+    def _wait_for(self, pending: Pending, due: float | None) -> None:
         left = None
         if pending.patient is not True:
             passed = time.monotonic() - pending.asked
             left = (GRACE if due is None else max(GRACE, due - self._now())) - passed
             if left <= 0:
-                before, pending.known = pending.known, pending.patient() if pending.patient else {}
-                most = max((spent - before.get(thread, 0.0) for thread, spent in pending.known.items()), default=0.0)
-                pending.asked, pending.holds = pending.asked + passed, most > THINKING * passed
+                pending.look_again(passed)
                 return
         if pending.busy:
             left = LOOK
@@ -408,28 +357,4 @@ class InTurn:
         return self._lockstep.through(begun, holds=name not in self._events, patient=self._patient)
 
 
-def thought_of(process: int, thread: int | str = "*") -> dict[str, float]:
-    """Return for how long threads of a process and of all that it started ran or waited for a processor [s] (Linux)."""
-    found: dict[str, float] = {}
-    for task in Path(f"/proc/{process}/task").glob(str(thread)):
-        with suppress(OSError, ValueError):  # it has ended meanwhile
-            found[task.name] = 1e-9 * sum(map(int, (task / "schedstat").read_text().split()[:2]))
-            for child in (task / "children").read_text().split():
-                found |= thought_of(int(child))
-    return found
-
-
 _key = attrgetter("key")
-
-
-def _tell(pending: _Pending, canceled: bool = False) -> None:
-    """Tell the end of something; of a call that was cancelled meanwhile, that, whichever was quicker."""
-    whole = pending.whole
-    assert pending.finish is not None, "it has ended"
-    assert whole is not None, "it has ended"
-    try:
-        if pending.holds and (canceled or whole.cancel_asked):
-            whole.fail(CanceledError("canceled"))
-        pending.finish()
-    except Exception:  # noqa: BLE001 - one callback mustn't keep other operations from ending
-        _log.exception("a callback of an operation failed")
