@@ -56,10 +56,11 @@ def test_energy_of_what_falls_and_collides_does_not_grow(make_world, seed):
         before = min(before, now)
 
 
+@pytest.mark.parametrize("dt", [1 / 240, 1 / 480])
 @pytest.mark.parametrize("height", [0.1, 0.5, 1.0])
-def test_a_ball_falls_as_long_as_it_should(make_world, height):
+def test_a_ball_falls_as_long_as_it_should(make_world, height, dt):
     ball = ObjectSpec("ball", "sphere", 0.02, 0.04, (0.5, 0.5, height + 0.02))
-    world = make_world(WorldSpec(objects=(ball,), cameras=()))
+    world = make_world(WorldSpec(objects=(ball,), cameras=(), dt=dt))
     while not any("ball" in contact[:2] for contact in world.contacts()):
         world.step()
         assert world.time < 1

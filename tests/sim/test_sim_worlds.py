@@ -90,8 +90,10 @@ objects:
 cameras:
   front: {at: [1.5, 0.3, 0.9], look_at: [0.5, 0.0, 0.1]}
   wrist: {at: [0.05, 0, 0], look_at: [0.05, 0, 1], link: panda_link8, noise: realsense, renderer: raster}
+dt: 0.002
 """
     spec = load_world(str(written(tmp_path, text)))
+    assert spec.dt == 0.002
     (ball,), (camera, wrist) = spec.objects, spec.cameras
     assert (wrist.link, wrist.noise, wrist.renderer) == ("panda_link8", PRESETS["realsense"], "raster")
     assert ball.position == pytest.approx((0.4, 0.1, 0.23))
