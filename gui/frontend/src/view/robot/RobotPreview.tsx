@@ -5,8 +5,9 @@ import type { GeometryView, SceneItem } from "../../protocol/generated";
 import type { Stand } from "../../model/timeline";
 import { keepState, taskThrough } from "../../store/begin";
 import { useDark } from "../hooks";
+import type { Dragging } from "./drag";
 import { isNear, makeReach } from "./reach";
-import { type Dragging, makeSpace, type Space, type Spot } from "./space";
+import { makeSpace, type Space, type Spot } from "./space";
 
 interface PreviewProps {
   readonly view: GeometryView | null;

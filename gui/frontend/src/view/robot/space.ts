@@ -1,11 +1,12 @@
 /** The drawing: camera, light, ground, the robot, the scene around it, and poses; drawn only when something has changed. */
-import { AmbientLight, AxesHelper, Box3, CanvasTexture, Color, DirectionalLight, EdgesGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial, LineSegments, type Material, Mesh, type MeshStandardMaterial, type Object3D, PerspectiveCamera, Points, Raycaster, Scene, Sphere, Sprite, SpriteMaterial, SRGBColorSpace, Vector2, Vector3, WebGLRenderer } from "three";
+import { AmbientLight, AxesHelper, Box3, CanvasTexture, Color, DirectionalLight, EdgesGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial, LineSegments, type Material, Mesh, type MeshStandardMaterial, type Object3D, PerspectiveCamera, Points, type Raycaster, Scene, Sphere, Sprite, SpriteMaterial, SRGBColorSpace, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Stand } from "../../model/timeline";
 import type { GeometryView, NamedPlace } from "../../protocol/generated";
 import type { NamedCloud } from "../../store/live";
 import { makeCloud, makeItem, makeRobot, place, type Robot } from "./body";
+import { type Dragging, type Hold, makeDrag } from "./drag";
 import { makeTraces } from "./traces";
 
 const STEP = Math.PI / 18;
@@ -36,16 +37,6 @@ export interface Space {
   /** What stands around the robot can be dragged from now on. */
   drags(told: Dragging): void;
   close(): void;
-}
-
-/** Told of what is dragged, by its name in the scene. Who is told shows it where it is by then. */
-export interface Dragging {
-  take(name: string): void;
-  /** So far from where it was when it was taken: x y z [m]. */
-  drag(by: readonly [number, number, number]): void;
-  drop(): void;
-  /** It goes back to where it was taken. */
-  back(): void;
 }
 
 /** Throws where the browser can't draw in 3D. */
@@ -275,98 +266,6 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
       renderer.dispose();
     },
   };
-}
-
-/** Where a thing is held, in the world [m]. */
-interface Hold {
-  readonly name: string;
-  readonly at: Vector3;
-}
-
-/** Of a look from nearly above, the mouse would move things up without end. */
-const STEEPEST = 0.3;
-/** A look along the ground would move things to the horizon: they stay within so many times their distance when they were taken. */
-const FARTHEST = 4;
-
-/** Things are dragged over the level plane through where they are held, with Shift up and down; elsewhere the camera is turned. */
-function makeDrag(canvas: HTMLCanvasElement, camera: PerspectiveCamera, under: (ray: Raycaster) => Hold | null, point: (name: string) => void, told: Dragging): () => void {
-  let held: (Hold & { readonly pointer: number; readonly by: Vector3; readonly far: number; last: PointerEvent }) | null = null;
-  const ray = new Raycaster();
-  function aim({ clientX, clientY }: PointerEvent): Raycaster {
-    const { left, top, width, height } = canvas.getBoundingClientRect();
-    camera.updateMatrixWorld();
-    ray.setFromCamera(new Vector2(((clientX - left) / width) * 2 - 1, 1 - ((clientY - top) / height) * 2), camera);
-    return ray;
-  }
-  /** Where the mouse is on the level plane at that height; null where it is beside it. */
-  function level(event: PointerEvent, height: number, far: number): Vector3 | null {
-    const { origin, direction } = aim(event).ray;
-    const away = (height - origin.z) / direction.z;
-    return away > 0 && away < far ? origin.clone().addScaledVector(direction, away) : null;
-  }
-  function look(event: PointerEvent): void {
-    const name = (held ?? under(aim(event)))?.name ?? "";
-    canvas.style.cursor = held ? "grabbing" : name ? "grab" : "";
-    point(name);
-  }
-  function leave(): void {
-    held = null;
-    canvas.style.cursor = "";
-    point("");
-  }
-  function down(event: PointerEvent): void {
-    const hold = held === null && event.button === 0 && !event.ctrlKey && !event.metaKey ? under(aim(event)) : null;
-    if (held === null && hold === null) return;
-    event.stopImmediatePropagation(); // the camera stays where it is
-    if (hold === null) return;
-    held = { ...hold, pointer: event.pointerId, by: new Vector3(), far: FARTHEST * camera.position.distanceTo(hold.at), last: event };
-    canvas.setPointerCapture(event.pointerId);
-    canvas.focus({ preventScroll: true });
-    told.take(hold.name);
-    look(event);
-  }
-  function move(event: PointerEvent): void {
-    if (held === null) {
-      if (event.buttons === 0) look(event);
-      return;
-    }
-    if (event.pointerId !== held.pointer) return;
-    const { by, last, far } = held;
-    const at = held.at.clone().add(by);
-    if (event.shiftKey) {
-      const away = at.clone().sub(camera.position);
-      const dot = (2 * away.length() * Math.tan(camera.fov * (Math.PI / 360))) / Math.max(1, canvas.clientHeight);
-      by.z -= ((event.clientY - last.clientY) * dot) / Math.max(STEEPEST, Math.hypot(away.x, away.y) / away.length());
-    } else {
-      const [from, to] = [level(last, at.z, far), level(event, at.z, far)];
-      if (from && to) by.add(to.sub(from));
-      else if (to === null) return;
-    }
-    held.last = event;
-    told.drag(by.toArray());
-  }
-  function up(event: PointerEvent): void {
-    if (event.pointerId !== held?.pointer) return;
-    held = null;
-    told.drop();
-    look(event);
-  }
-  function back(event: Event): void {
-    if (held === null || (event instanceof KeyboardEvent && event.key !== "Escape")) return;
-    event.preventDefault();
-    event.stopImmediatePropagation();
-    leave();
-    told.back();
-  }
-  const off = new AbortController();
-  const on = { signal: off.signal, capture: true };
-  canvas.addEventListener("pointerdown", down, on);
-  canvas.addEventListener("pointermove", move, on);
-  canvas.addEventListener("pointerup", up, on);
-  canvas.addEventListener("pointercancel", back, on);
-  canvas.addEventListener("pointerleave", () => held === null && leave(), on);
-  canvas.addEventListener("keydown", back, on);
-  return () => off.abort();
 }
 
 /** How large the box around a thing is [m³]. */

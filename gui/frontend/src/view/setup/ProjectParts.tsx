@@ -8,7 +8,7 @@ import { added, chooseRobot, useBegin } from "../../store/begin";
 import { loadGeometry, useRobot } from "../../store/live";
 import { isDirty, saveSetup, setValue, useSetup } from "../../store/setup";
 import { useProject } from "../../store/tasks";
-import type { Dragging } from "../robot/space";
+import type { Dragging } from "../robot/drag";
 
 /** Of `grip.yaml` as it is shown, or else as it is saved. */
 export function ProjectParts(): JSX.Element | null {
