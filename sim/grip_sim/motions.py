@@ -25,6 +25,8 @@ NEARLY = 0.1
 """A hand presses as it is to when it does but for this part of the force."""
 AHEAD = 64
 """Steps for which a path is sampled at once."""
+LOOK, LONGEST, MOVED = 0.25, 5.0, 5e-4
+"""Objects lie still when two looks, so far apart [s], differ by less [m]; longer than that isn't waited [s]."""
 _PAST = 0.1
 """What was followed longer ago is forgotten when a motion is amended [s]."""
 
@@ -229,3 +231,20 @@ class Wait:
 
     def braking(self, world: World) -> Motion:
         return Wait(world.time, Ended("canceled", "the wait was cancelled"))
+
+
+class ComeToRest(Wait):
+    """Time passes, `LONGEST` at most, until no object moves any more; what is round may roll for seconds."""
+
+    def __init__(self, begun: float):
+        super().__init__(begun + LONGEST)
+        self._next, self._seen = begun + LOOK, np.zeros(0)
+
+    def advance(self, world: World) -> Ended | None:
+        if world.time < self._next:
+            return None
+        before, self._seen = self._seen, world.kept()["poses"]
+        self._next += LOOK
+        if self._seen.shape == before.shape and np.abs(self._seen - before).max(initial=0.0) < MOVED:
+            return Ended()
+        return super().advance(world)

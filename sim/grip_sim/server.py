@@ -26,7 +26,7 @@ from grip_bt.commanders.trajectory.stopping import even_ramp
 from grip_sim.cameras.rig import Film
 from grip_sim.connection import ClosedError, pack, receive
 from grip_sim.faults import Fault
-from grip_sim.motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
+from grip_sim.motions import STILL, Brake, ComeToRest, Ended, Follow, Motion, MoveHand, Wait
 from grip_sim.referee import judge
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 from grip_sim.world import World
@@ -295,8 +295,9 @@ class Server:
         robot.press(rows, force)
         self._motions[number] = MoveHand(robot, rows, goal, duration, self.world.time, force)
 
-    def _call_wait(self, number: int, seconds: float) -> None:
-        self._motions[number] = Wait(self.world.time + seconds)
+    def _call_wait(self, number: int, seconds: float | None) -> None:
+        now = self.world.time
+        self._motions[number] = ComeToRest(now) if seconds is None else Wait(now + seconds)
 
     def _call_stop(self, number: int, names: list[str]) -> None:
         for moving in self._moving(self.world.robot.rows(names)):

@@ -176,10 +176,6 @@ def _check_finite(what: str, *arrays: Array | None) -> None:
         raise ValueError(f"{what} must consist of finite numbers; it holds NaN or infinity")
 
 
-SETTLE = 0.5
-"""How long objects are left to come to rest at the start [s]."""
-
-
 class Simulation(SimClient):
     """A running simulator, whose physics advances only while something is under way; implements `ports.Stepped`."""
 
@@ -222,8 +218,8 @@ class Simulation(SimClient):
         """Say that a node of the task begins: faults may wait for that."""
         self.ask("entered", node=node)
 
-    def settle(self, seconds: float = SETTLE) -> None:
-        """Let simulated time pass and wait for it. Raises SimulatorLostError where the simulator ended meanwhile."""
+    def settle(self, seconds: float | None = None) -> None:
+        """Let simulated time pass, or objects come to rest, and wait. Raises SimulatorLostError where it ended."""
         wait = self.move("wait", seconds=seconds)
         wait.wait()
         wait.result()

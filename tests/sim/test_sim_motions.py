@@ -11,9 +11,9 @@ from grip_bt.base.failures import CanceledError, ExecutionAbortedError
 from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.description.load import build_robot
-from grip_sim.motions import MoveHand
+from grip_sim.motions import LONGEST, MoveHand
 from grip_sim.simulation import start_simulation
-from grip_sim.specs import WorldSpec
+from grip_sim.specs import ObjectSpec, WorldSpec
 from grip_sim.world import World
 
 pytestmark = pytest.mark.sim
@@ -26,6 +26,26 @@ def turned(bench, by=0.4):
 def test_adapters_satisfy_their_protocols(bench):
     assert isinstance(bench.arm, Executor)
     assert isinstance(bench.hand, HandPort)
+
+
+@pytest.mark.parametrize("height", [0.03, 3.0])
+def test_a_world_begins_when_its_objects_lie_still(height):
+    fallen = ObjectSpec("fallen", "box", 0.05, 0.05, (0.5, 0.3, height))
+    with start_simulation(WorldSpec(objects=(fallen,))) as simulation:
+        simulation.keep_to_simulated(True)
+        assert simulation.clock.now() < 0.6 or height == 3.0, "what stands isn't waited for"
+        here = simulation.referee.truth()["fallen"].pose.position
+        assert here[2] == pytest.approx(0.025, abs=0.01)
+        simulation.settle(0.5)
+        assert simulation.referee.truth()["fallen"].pose.position == pytest.approx(here, abs=1e-3)
+
+
+def test_what_goes_on_moving_is_not_waited_for():
+    falling = ObjectSpec("falling", "box", 0.05, 0.05, (0.5, 0.3, 200.0))
+    with start_simulation(WorldSpec(objects=(falling,))) as simulation:
+        simulation.keep_to_simulated(True)
+        assert simulation.clock.now() == pytest.approx(LONGEST, abs=0.1)
+        assert simulation.referee.truth()["falling"].pose.position[2] > 1.0
 
 
 def test_a_motion_ends_at_its_goal_and_at_rest(bench):
