@@ -102,6 +102,52 @@ def test_callbacks_may_ask_again_and_wait_for_the_answer(client):
     assert said == [{"tip": 1.0}]
 
 
+def play(client):
+    """Answer each call by how many came; a world that goes stands again at once. Return the calls."""
+    calls = []
+
+    def run():
+        try:
+            while True:
+                fields = client.played.asked()
+                calls.append(fields["call"])
+                if fields["call"] == "go":
+                    client.played.answer(0, stands=True)
+                elif fields["id"]:
+                    client.played.answer(fields["id"], count=len(calls))
+        except ClosedError:
+            pass
+
+    threading.Thread(target=run, daemon=True).start()
+    return calls
+
+
+def test_while_the_world_stands_a_question_is_asked_once_and_again_after_whatever_may_have_changed_its_answer(client):
+    play(client)
+    stood = threading.Semaphore(0)
+
+    def asked(call="state", **fields):
+        return client.ask(call, **fields).fields["count"]
+
+    def gone():
+        client.go(None)
+        assert stood.acquire(timeout=PATIENCE)
+
+    assert asked() != asked()  # it goes by itself
+    client.take_turns(lambda operation, holds: operation, stood.release)
+    gone()
+    sent = client.sent
+    assert asked(names=["a"]) == asked(names=["a"]) != asked(names=["b"])
+    assert client.sent == sent, "what changes nothing ends no motion"
+    changes = (gone, lambda: client.ask("move_object"), lambda: ended(client.move("follow")))
+    for change in (*changes, client.go_freely):
+        before = asked()
+        change()
+        assert asked() != before
+    assert client.sent == sent + 2
+    assert asked() != asked()
+
+
 def test_a_callback_that_raises_keeps_no_other_operation_from_ending(client, caplog):
     one, two = client.request("a"), client.request("b")
     one.add_done_callback(lambda: 1 / 0)
