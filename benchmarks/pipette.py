@@ -79,7 +79,7 @@ def trial(seed: int, folder: Path, equipment: Equipment) -> Row:
     began = time.monotonic()
     said, row = drawn(seed)
     (folder / WORLD).write_text(yaml.safe_dump(said))
-    project, document, _ = check_task(folder / "tasks" / "pipette.yaml")
+    project, document, *_ = check_task(folder / "tasks" / "pipette.yaml")
     catalog = catalogue_of(project)
     needs = {leaf.manifest.id for leaf in to_tree(document.task, catalog).leaves.values()}
     with ExitStack() as stack:

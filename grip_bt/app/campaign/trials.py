@@ -12,11 +12,11 @@ from pathlib import Path
 from grip_bt.app.campaign.file import Campaign, Plain
 from grip_bt.app.campaign.results import TrialRow, difference, picture_of, pictures_of, provenance
 from grip_bt.app.campaign.statistics import wilson
-from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
 from grip_bt.app.project.worlds import STATES, world_of
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
 from grip_bt.app.runs.mocks import apply_mocks, check_nodes, scripted
+from grip_bt.app.runs.motion_record import KEPT
 from grip_bt.app.runs.supervisor import RunProcess, Supervisor
 from grip_bt.base.errors import EvaluationError, ExpressionError, nearest
 from grip_bt.base.evaluation import condition_of, value_of
@@ -72,7 +72,9 @@ class Trials:
         self._left: deque[_Trial] = deque()
         self._tally = dict.fromkeys(campaign.file.variants, (0, 0))
         every = campaign.file.repeat if campaign.file.robot == "sim" else 0
-        self._repeated = set(campaign.trials()[every - 1 :: every]) if every else set()
+        trials = campaign.trials()
+        self._repeated = set(trials[every - 1 :: every]) if every else set()
+        self._drawn = len(trials) <= KEPT
         self._provenance = {name: provenance(campaign, name) for name in campaign.file.variants}
         for row in before:
             self._count(row)
@@ -154,7 +156,7 @@ class Trials:
     def once(self, variant: str, seed: int, process: RunProcess | None = None) -> TrialRow | None:
         """Run one trial, in processes of its own where none is given, and return its row; None where it was stopped."""
         began, late, said = time.monotonic(), threading.Event(), self._campaign.file
-        task, options = str(self._campaign.task(variant)), self._options(variant, seed)
+        task, options = str(self._campaign.task(variant)), self._options(variant, seed, process is None)
         supervisor = Supervisor(task, options, lambda event: None, self._watchdog, own_input=False, process=process)
 
         def too_late() -> None:
@@ -188,7 +190,7 @@ class Trials:
         levels = {"levels": self._campaign.levels[variant]} if variant in self._campaign.levels else {}
         return TrialRow(**{**what, **levels, **row, "provenance": self._provenance[variant]})  # type: ignore[typeddict-item]
 
-    def _options(self, variant: str, seed: int) -> RunOptions:
+    def _options(self, variant: str, seed: int, alone: bool) -> RunOptions:
         said, settings = self._campaign.file, self._campaign.file.variants[variant]
         return RunOptions(
             target=settings.form,
@@ -204,6 +206,7 @@ class Trials:
             picture=None if self.view is None else self.pictures / picture_of(f"{variant}@{seed}"),
             view=self.view or "",
             apart=True,
+            motion=alone or self._drawn,
         )
 
 
@@ -249,12 +252,12 @@ def check(campaign: Campaign) -> None:
         if name in _KNOWN:
             raise campaign.error(f"{name!r} is known of every trial already; choose another name")
     for variant, settings in said.variants.items():
-        project, document, _ = check_task(campaign.task(variant), world=settings.world)
+        project, document, _, nodes = check_task(campaign.task(variant), world=settings.world)
         check_inputs(document, settings.set)
         mocks = scripted(settings.mocks)
-        task, catalog, _ = apply_mocks(document.task, catalogue_of(project), mocks)
+        task, catalog, _ = apply_mocks(document.task, nodes, mocks)
         refuse(of_task(project, task, catalog, said.robot, mocks))
-        paths = [part.path for part in resolve(document.task, catalogue_of(project)).root.walk()]
+        paths = [part.path for part in resolve(document.task, nodes).root.walk()]
         check_nodes(settings.faults, paths)
         for name, path in said.count.items():
             if path not in paths:

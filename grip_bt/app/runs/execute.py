@@ -35,6 +35,7 @@ from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.journal_room import Pruned, prune, size_of
 from grip_bt.task import Document, Task, Variable, dumps, read, read_text
+from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Leaf, type_of, walk
 from grip_bt.task.validation import validate
 from grip_bt.task.validation.parts import DRAWN, STOOD_IN
@@ -42,6 +43,7 @@ from grip_sim.faults import Fault
 
 _log = logging.getLogger(__name__)
 Target = Literal["bt", "sm"]
+Checked = tuple[Project, Document, Report, Catalog]
 MOST_SEED = 2**32 - 1
 WATCHDOG = 10.0
 """How long a tick, or the whole process, may hang before a run is ended, unless told otherwise [s]."""
@@ -71,6 +73,7 @@ class RunOptions:
         view: the world's camera that both are of, or six numbers `X,Y,Z,X,Y,Z` [m], from where to where.
         stand_ins: whether legacy code gets stand-ins for packages that are missing, and for what ROS offers.
         apart: whether a DDS domain of its own is a free one, whatever ROS_DOMAIN_ID says: other runs are beside it.
+        motion: whether what moves is recorded beside the journal, for drawing it.
     """
 
     target: Target = "bt"
@@ -92,6 +95,7 @@ class RunOptions:
     view: str = ""
     stand_ins: bool = False
     apart: bool = False
+    motion: bool = True
 
 
 OPTIONS = TypeAdapter(RunOptions)
@@ -111,7 +115,7 @@ class Session:
     journal: Path
 
 
-def check_task(path: str | Path | Task, text: str | None = None, world: str = "") -> tuple[Project, Document, Report]:
+def check_task(path: str | Path | Task, text: str | None = None, world: str = "") -> Checked:
     """Read a task file, or what its text was at another time, and check it against its project's nodes.
 
     Args:
@@ -129,7 +133,7 @@ def check_task(path: str | Path | Task, text: str | None = None, world: str = ""
     document = read(Path(path)) if text is None else read_text(text, str(path))
     report = validate(document.task, catalog, document)
     report.raise_if_invalid(str(path))
-    return project, document, report
+    return project, document, report, catalog
 
 
 def check_inputs(document: Document, given: Mapping[str, object]) -> None:
@@ -153,9 +157,8 @@ def _compiled(
     if options.resume is not None and not isinstance(path, Task):
         with JournalReader(options.journal or find_project(path).journal) as reader:
             text = reader.run(options.resume.run).task_text
-    project, document, report = check_task(path, text, options.world)
+    project, document, report, catalog = check_task(path, text, options.world)
     check_inputs(document, options.data)
-    catalog = catalogue_for(path, project) if isinstance(path, Task) else catalogue_of(project)
     compile_task = to_machine if options.target == "sm" else to_tree
     task, factory = document.task, None
     if options.mocks:

@@ -111,23 +111,18 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
             out.write(json.dumps({"parts": {name: part.state().names for name, part in parts.items()}}) + "\n")
             told, bodies, ways, felt = dict[str, Any](), Bodies(), _Ways(), dict[str, Any]()
             scene: SceneSnapshot | None = None
-            asked = -1.0
             while True:
                 last, line, t = over.is_set(), dict[str, Any](), clock.now()
-                stands, asked = t == asked, t  # a simulated world that stands still needn't be asked
-                now_at = {} if stands else {name: part.state().position for name, part in parts.items()}
+                now_at = {name: part.state().position for name, part in parts.items()}
                 if moved := {name: p for name, p in now_at.items() if _changed(p, told.get(name))}:
                     told |= moved
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
                 line |= ways.new(resources.arms)
-                if not stands:
-                    touch = {
-                        hand: {link: round(f, 1) for link, f in it.contacts().items()} for hand, it in hands.items()
-                    }
-                    press = {hand: _pressing(hands[hand]) for hand, links in touch.items() if links}
-                    for key, news in {"touch": touch, "press": press}.items():
-                        if news != felt.get(key, {}):
-                            felt[key] = line[key] = news
+                touch = {hand: {link: round(f, 1) for link, f in it.contacts().items()} for hand, it in hands.items()}
+                press = {hand: _pressing(hands[hand]) for hand, links in touch.items() if links}
+                for key, news in {"touch": touch, "press": press}.items():
+                    if news != felt.get(key, {}):
+                        felt[key] = line[key] = news
                 now = resources.scene.snapshot() if resources.scene is not None else None
                 if isinstance(now, SceneSnapshot) and now is not scene:
                     scene, line["scene"] = now, {n: _object(item, bodies) for n, item in now.objects.items()}

@@ -16,6 +16,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Mapping
+from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import GripError
@@ -137,7 +138,8 @@ def _run(order: JsonObject, channels: dict[str, int], control: Control, equipmen
         pulse.start()
         runner = session.runner
         assert runner.run_id is not None, "a session's runs are in its journal"
-        with recorded_motion(session.resources, runner.context.clock, session.journal, runner.run_id):
+        moved = recorded_motion(session.resources, runner.context.clock, session.journal, runner.run_id)
+        with moved if options.motion else nullcontext():
             control.run(verdict.facts)
         pulse.stop()
     return 0

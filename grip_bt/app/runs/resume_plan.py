@@ -7,7 +7,6 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.runs.execute import RunOptions, Target, check_task
 from grip_bt.app.runs.mocks import apply_mocks
 from grip_bt.app.runs.replay import Until, find_run
@@ -178,9 +177,9 @@ def plan_resume(
     options = replace(options, **{k: was[k] for k in was.keys() - set(given) if hasattr(options, k)})
     target: Target = "sm" if record.target == "sm" else "bt"
     options = replace(options, data=was.get("data", {}), target=target, journal=journal.absolute())
-    project, document, _ = check_task(file, record.task_text)
+    _, document, _, catalog = check_task(file, record.task_text)
     changed = file.is_file() and file.read_text(encoding="utf-8") != record.task_text
-    catalog, model = catalogue_of(project), document.task
+    model = document.task
     if options.mocks:
         model, catalog, _ = apply_mocks(model, catalog, options.mocks)
     parts = {part.path: part for part in resolve(model, catalog).root.walk()}

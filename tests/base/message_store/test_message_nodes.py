@@ -116,7 +116,7 @@ def test_a_name_that_is_nowhere_is_told_before_the_run(tmp_path):
     (tmp_path / "grip.yaml").write_text("grip: 1\n")
     text = "grip: 1\nname: get\nroot: {node: messages/get, with: {store: joint_states, name: abov_bin}}\n"
     (tmp_path / "task.yaml").write_text(text)
-    *_, report = check_task(tmp_path / "task.yaml")
+    report = check_task(tmp_path / "task.yaml")[2]
     (issue,) = report.issues
     assert issue.code == "unknown-message"
     assert "store 'joint_states' has no message 'abov_bin'; did you mean 'above_bin'?" in issue.message
