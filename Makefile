@@ -30,7 +30,9 @@ $(STAMP): requirements/lock.txt requirements/build.txt pyproject.toml
 demo: $(STAMP) ## run the main job: a dexterous hand clears a table, in simulation
 	@$(BIN)/grip demo $(ARGS)
 
-test: lint types contracts python-tests frontend e2e ## everything: lint, types, contracts, Python, frontend, browser
+test: $(STAMP) ## everything: lint, types, contracts, Python, frontend, browser
+	@$(MAKE) --no-print-directory -j 2 --output-sync=target lint types contracts frontend
+	@$(MAKE) --no-print-directory python-tests e2e
 	@echo "make test: all of the above passed"
 
 quick: $(STAMP) ## what a developer runs all day: no ROS, no simulator, nothing slow
@@ -45,9 +47,10 @@ types: $(STAMP) ## static types, strict in every room
 contracts: $(STAMP) ## who may import whom
 	@$(BIN)/lint-imports --no-cache | tail -n 3; exit $${PIPESTATUS[0]}
 
+# More workers than two cores: those of ROS and the simulator wait for processes, discovery and paced motions.
 python-tests: $(STAMP) ## all Python tests
 	@$(NODE) bash tools/run_tests.sh "Python tests" -n 2 --dist loadgroup -m "not ros and not sim and not e2e" tests
-	@bash tools/run_tests.sh "ROS and simulator tests" -n 3 --dist loadfile --no-loadscope-reorder -m "(ros or sim) and not e2e" tests
+	@bash tools/run_tests.sh "ROS and simulator tests" -n 4 --dist loadfile --no-loadscope-reorder -m "(ros or sim) and not e2e" tests
 
 frontend: $(STAMP) ## unit tests, types and build of the page
 	@$(NODE) bash tools/frontend_tests.sh
