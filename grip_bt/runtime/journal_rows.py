@@ -42,25 +42,6 @@ def _begun(pid: int) -> int | None:
 VERSION = 3
 """Of the tables, kept in `PRAGMA user_version`; 0 where there are none yet."""
 
-_TABLES = """
-CREATE TABLE IF NOT EXISTS runs(
-  id TEXT PRIMARY KEY, task_name TEXT, task_path TEXT, task_text TEXT, target TEXT, seed INTEGER,
-  started REAL, ended REAL, status TEXT, outcome TEXT);
-CREATE TABLE IF NOT EXISTS names(
-  run TEXT, id INTEGER, path TEXT, event TEXT, outcome TEXT, code TEXT,
-  PRIMARY KEY(run, id)) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS blocks(
-  run TEXT, first INTEGER, last INTEGER, content BLOB, data TEXT, sum INTEGER,
-  PRIMARY KEY(run, first));
-CREATE TABLE IF NOT EXISTS processes(
-  run TEXT PRIMARY KEY, pid INTEGER, since INTEGER, host TEXT);
-CREATE TABLE IF NOT EXISTS big_values(
-  hash TEXT PRIMARY KEY, type TEXT, size INTEGER, content BLOB);
-CREATE TABLE IF NOT EXISTS uses(
-  run TEXT, hash TEXT,
-  PRIMARY KEY(run, hash)) WITHOUT ROWID;
-"""
-
 
 class JournalError(GripError):
     """The journal can't be written or read."""
@@ -75,7 +56,7 @@ def prepare_to_write(database: sqlite3.Connection) -> None:
     database.execute("PRAGMA journal_mode=WAL")
     database.execute("PRAGMA synchronous=FULL")  # a power cut loses nothing that was acknowledged
     refuse_other_versions(database)
-    database.executescript(_TABLES)
+    database.executescript(Path(__file__).with_name("journal.sql").read_text())
     database.execute(f"PRAGMA user_version={VERSION}")
 
 
