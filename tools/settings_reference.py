@@ -28,7 +28,8 @@ from grip_bt.app.runs.mocks import MocksFile
 from grip_bt.commanders.description.config import MountConfig, PlacedConfig
 from grip_bt.commanders.taught import TaughtFile
 from grip_bt.task.catalog import CodePath
-from grip_bt.task.catalog.component_file import ComponentFile, PortType
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.port_type import PortType
 from grip_bt.task.catalog.ros_config import Mount, RosRobotConfig
 from grip_sim.objects.model import ObjectFile
 from grip_sim.worlds.model import WorldFile

@@ -20,7 +20,7 @@ from grip_bt.cli.parser import add_no_code, number
 from grip_bt.cli.signals import on_stop
 from grip_bt.cli.terminal import complain, progress, tell
 from grip_bt.ros.process_group import Member, ProcessGroup, member_of
-from grip_bt.task.catalog.component_file import ProcessConfig
+from grip_bt.task.catalog.start import ProcessConfig
 
 SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml", ".launch", ".xml", ".yaml", ".yml", ".py")
 

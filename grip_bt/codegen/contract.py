@@ -15,7 +15,8 @@ from dataclasses import replace
 from grip_bt.base.errors import ContractError, listing, nearest
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
-from grip_bt.task.catalog.component_file import FEEDBACK, LENGTHS, ComponentFile, GraspFields, PortType
+from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
+from grip_bt.task.catalog.port_type import LENGTHS, GraspFields, PortType
 from grip_bt.task.catalog.ros_config import INTEGER_TYPES, FieldSpec, InterfaceSpec
 from grip_bt.task.validation.expressions import type_of
 

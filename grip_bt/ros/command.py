@@ -21,7 +21,8 @@ from grip_bt.ros.interfaces.packages import (
     launch_file_of,
 )
 from grip_bt.ros.process import Process
-from grip_bt.task.catalog.component_file import ComponentFile, Start
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.start import Start
 
 PYTHON = "{python}"
 """In a command, or an argument of a launch file: the Python that runs us, with ROS and the built interfaces."""

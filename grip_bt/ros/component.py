@@ -18,7 +18,8 @@ from grip_bt.base.failures import BadReplyError, CanceledError, GoalAbortedError
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, PointCloud, Pose
-from grip_bt.task.catalog.component_file import FEEDBACK, LENGTHS, UNITS, ComponentFile, PortType
+from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
+from grip_bt.task.catalog.port_type import LENGTHS, UNITS, PortType
 from grip_bt.task.catalog.ros_config import INTEGER_TYPES
 
 from .client.action import ActionClient

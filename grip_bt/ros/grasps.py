@@ -13,7 +13,7 @@ import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.values import CameraInfo, DepthImage, Grasp, Pose, RgbdFrame
-from grip_bt.task.catalog.component_file import AXES, UNITS, Number, PortType
+from grip_bt.task.catalog.port_type import AXES, UNITS, Number, PortType
 
 from .client.types import ConversionError, check_field
 from .convert import each, from_message

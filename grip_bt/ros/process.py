@@ -14,7 +14,7 @@ from pathlib import Path
 
 from grip_bt.base.operation import Operation
 from grip_bt.ros import process_reaper
-from grip_bt.task.catalog.component_file import Start
+from grip_bt.task.catalog.start import Start
 
 _PATIENCE = 3.5
 """How long the process reaper may take to end the group [s]."""

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal, TextIO
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import Closing
-from grip_bt.task.catalog.component_file import ProcessConfig, Ready
+from grip_bt.task.catalog.start import ProcessConfig, Ready
 
 from .command import child_environment, command_of
 from .process import Process, stop_all

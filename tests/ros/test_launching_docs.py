@@ -10,8 +10,8 @@ import pytest
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.message_store import STANDARD, MessageLibrary
 from grip_bt.ros.messages.wire import MESSAGES
-from grip_bt.task.catalog.component_file import ProcessConfig, Start
 from grip_bt.task.catalog.ros_config import ControllerConfig
+from grip_bt.task.catalog.start import ProcessConfig, Start
 
 DOCS = Path(__file__).parents[2] / "docs"
 LAUNCHING, MESSAGES_PAGE, PROJECT = (

@@ -17,7 +17,7 @@ from ros_bench import ended
 from grip_bt.ros.client.types import load_type
 from grip_bt.ros.command import child_environment
 from grip_bt.ros.process_group import GraphWatch, Member, ProcessGroup, StartError
-from grip_bt.task.catalog.component_file import ProcessConfig, Ready
+from grip_bt.task.catalog.start import ProcessConfig, Ready
 
 MARK = "GRIP_TEST_GROUP"
 

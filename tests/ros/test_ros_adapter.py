@@ -105,7 +105,7 @@ def _holder(pose):
     [(2, "cm", 0.02), ([1, 2], "mm", [0.001, 0.002]), (180.0, "deg", np.pi), (50, "percent", 0.5)],
 )
 def test_numbers_are_scaled(value, unit, wanted):
-    from grip_bt.task.catalog.component_file import UNITS
+    from grip_bt.task.catalog.port_type import UNITS
 
     assert scaled(value, UNITS[unit], unit) == pytest.approx(wanted)
 

@@ -19,7 +19,8 @@ from grip_bt.ros.command import advice, command_of
 from grip_bt.ros.components import start_components
 from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.interfaces.packages import PackageError
-from grip_bt.task.catalog.component_file import ComponentFile, Start
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.start import Start
 
 pytestmark = pytest.mark.ros
 SET, TRIGGER = "std_srvs/srv/SetBool", "std_srvs/srv/Trigger"

@@ -13,7 +13,7 @@ from ros_bench import gone, kill, session_of
 
 from grip_bt.ros.command import child_environment
 from grip_bt.ros.process import Process
-from grip_bt.task.catalog.component_file import Start
+from grip_bt.task.catalog.start import Start
 
 STUBBORN = """
 import os, signal, subprocess, sys, time

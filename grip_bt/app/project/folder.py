@@ -16,8 +16,9 @@ from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
-from grip_bt.task.catalog.component_file import ProcessConfig, Qos
+from grip_bt.task.catalog.component_file import Qos
 from grip_bt.task.catalog.ros_config import RosRobotConfig, SensorConfig
+from grip_bt.task.catalog.start import ProcessConfig
 
 if TYPE_CHECKING:
     from grip_bt.commanders.description.robot import RobotDescription

@@ -14,7 +14,8 @@ from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.ros.command import text_of
 from grip_bt.ros.process_group import Member, member_of
-from grip_bt.task.catalog.component_file import Start, load_component
+from grip_bt.task.catalog.component_file import load_component
+from grip_bt.task.catalog.start import Start
 
 
 def project_members(project: Project, names: Sequence[str] = ()) -> list[Member]:

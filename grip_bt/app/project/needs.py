@@ -20,8 +20,9 @@ from grip_bt.ros.interfaces.packages import (
     search_path,
     share_folder,
 )
-from grip_bt.task.catalog.component_file import Start, load_component
+from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.project_parts import MISSING_PACKAGE, UNFIT_PROJECT, Problem, missing_package, missing_type
+from grip_bt.task.catalog.start import Start
 from grip_bt.task.validation.codes import suggestion
 
 KINDS = ("msg", "srv", "action")

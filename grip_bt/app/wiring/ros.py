@@ -24,8 +24,9 @@ from grip_bt.ros.messages.service import RosMessages
 from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
 from grip_bt.ros.transforms import Transforms
-from grip_bt.task.catalog.component_file import Start, load_component
+from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.ros_config import MOVE_GROUP, MoveGroupConfig
+from grip_bt.task.catalog.start import Start
 
 TIME_STARTS = 10.0
 """How long to wait for the first message of `/clock` [s]."""

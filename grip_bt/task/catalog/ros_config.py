@@ -12,8 +12,9 @@ from pydantic import Field, field_validator, model_validator
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.types import parse_type
 from grip_bt.base.yaml.models import Identifier, RosName, Settings, exactly_one
-from grip_bt.task.catalog.component_file import Kind, Start
+from grip_bt.task.catalog.component_file import Kind
 from grip_bt.task.catalog.manifest import Manifest, OutputPort, read_manifests
+from grip_bt.task.catalog.start import Start
 
 MESSAGES = {
     "PointCloud": "sensor_msgs/msg/PointCloud2",

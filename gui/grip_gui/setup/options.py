@@ -12,7 +12,7 @@ from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.base.message_store import STANDARD
 from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue
-from grip_bt.task.catalog.component_file import Unit
+from grip_bt.task.catalog.port_type import Unit
 from grip_bt.task.catalog.ros_config import MESSAGES
 from grip_gui.setup.kinds import JOINT_STATES, POSES, TRAJECTORIES, Kind
 from grip_gui.setup.robot_facts import data_in, is_path, project_robot_facts, robot_facts
