@@ -5,21 +5,8 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict, Field
 
 PLANNERS = (
-    "AORRTC",
-    "BFMT",
-    "BITstar",
-    "BKPIECE1",
-    "BiTRRT",
-    "FMT",
-    "InformedRRTstar",
-    "KPIECE1",
-    "LBKPIECE1",
-    "PRM",
-    "PRMstar",
-    "RRT",
-    "RRTConnect",
-    "RRTstar",
-    "SORRTstar",
+    *("AORRTC", "BFMT", "BITstar", "BKPIECE1", "BiTRRT", "FMT", "InformedRRTstar", "KPIECE1", "LBKPIECE1", "PRM"),
+    *("PRMstar", "RRT", "RRTConnect", "RRTstar", "SORRTstar"),
 )
 """The planners that OMPL's wheel binds, and our own BiTRRT; a test compares them."""
 SOLVERS = ("damped_least_squares", "trac_ik")

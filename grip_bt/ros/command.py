@@ -13,13 +13,7 @@ from types import MappingProxyType
 
 from grip_bt.base.failures import ExpectedError, IncompatibleServerError
 from grip_bt.base.xml import parse_xml
-from grip_bt.ros.interfaces.packages import (
-    PackageError,
-    child_paths,
-    executable_of,
-    launch_file_in,
-    launch_file_of,
-)
+from grip_bt.ros.interfaces.packages import PackageError, child_paths, executable_of, launch_file_in, launch_file_of
 from grip_bt.ros.process import Process
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.start import Start

@@ -10,13 +10,7 @@ from grip_bt.task import KINDS, Task, walk
 from grip_bt.task.catalog import Catalog
 
 from .layout import NAME_SIZE, TEXT_SIZE, Box, Line, Pill, text_width
-from .views import (
-    ICON,
-    LINE_HEIGHT,
-    View,
-    flow_figure,
-    tree_figure,
-)
+from .views import ICON, LINE_HEIGHT, View, flow_figure, tree_figure
 
 _COLOURS = {  # fill, border
     "leaf": ("#ffffff", "#5b6470"),
