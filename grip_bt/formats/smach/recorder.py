@@ -170,9 +170,9 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
         error, before, given = todo.pop()
         run = first(given)
         runs.append(run)
-        asked, works = len(run.answers), works or not run.error
-        if asked > furthest.get(run.error, -1):
-            furthest[run.error], fruit = asked, len(runs)
+        asked, works, new = len(run.answers), works or not run.error, {(told.what, told.line) for told in run.asked}
+        if len(new) > furthest.get(run.error, -1):  # a loop asks the same again
+            furthest[run.error], fruit = len(new), len(runs)
         for machine in run.machines:
             shapes[machine.key].add(machine.shape)
         if run.stopped or (shapes and all(len(each) > 1 for each in shapes.values())):
@@ -224,10 +224,9 @@ class FileRecorder:
                 known = any(each.machines and not each.missing for each in self.record.runs)
                 most = FEW_ANSWERS if builder == "__main__" and known else MOST_ANSWERS  # it builds what they do
                 self.record.runs += answered(partial(self._built, builder, call), most)
-        self.record.compiled = list(_compiled)
         new = {name: module for name, module in sys.modules.items() if name not in self.before}
         self.record.libraries = [n for n, module in new.items() if "-packages" in str(getattr(module, "__file__", ""))]
-        self.record.read = sorted(self.read)
+        self.record.read, self.record.compiled = sorted(self.read), list(_compiled)
         return self.record
 
     def _prepare(self) -> None:
@@ -237,9 +236,8 @@ class FileRecorder:
         null = os.open(os.devnull, os.O_RDWR)
         for stream in range(3):
             os.dup2(null, stream)
-        quiet = lambda text: None  # noqa: E731
         smach_compat.install(ros=False)  # states of smach_ros have stand-ins: recording never talks to ROS
-        smach_compat.set_loggers(quiet, quiet, quiet, quiet)
+        smach_compat.set_loggers(*[lambda text: None] * 4)
         ros_stand_ins(self.finder, self.workspace)
         sys.path[:] = [path for path in sys.path if path and not _is_of(path, self.workspace)]
         forget({name for folder in self.workspace.folders for name in _listed(folder)})
@@ -308,6 +306,10 @@ class FileRecorder:
             methods = {n: m for n, m in vars(value).items() if inspect.isfunction(m) and builders & _names(m.__code__)}
             if "__init__" in methods and not is_container:
                 yield name, partial(self._call, value, name)
+            built = {each.cls for r in self.record.runs for m in r.machines for each in m.state.within()}
+            inside = {n for n, v in vars(value).items() if isinstance(v, type) and issubclass(v, CONTAINERS)}
+            for nested in sorted(inside - built):
+                yield f"{name}.{nested}", partial(self._method, value, name, nested)
             if is_container and any(m.state.added for r in self.record.runs if r.builder == name for m in r.machines):
                 continue  # it is filled by its constructor
             for method in methods.keys() - {"__init__"}:

@@ -93,8 +93,7 @@ def surround(workspace: Workspace) -> None:
         SPECIAL[getattr(random, name)] = partial(_by_chance, getattr(random, name), f"random.{name}()")
     SPECIAL[random.choice] = _chosen
     for name in ("exists", "isfile", "isdir"):
-        there = getattr(os.path, name)
-        SPECIAL[there] = partial(_outside, there, name, str(workspace.root))
+        SPECIAL[getattr(os.path, name)] = partial(_outside, getattr(os.path, name), name, str(workspace.root))
     for function in _CHANGING:
         SPECIAL[function] = _change
     SPECIAL[open] = _opened

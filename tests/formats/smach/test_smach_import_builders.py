@@ -156,6 +156,20 @@ def build():
 """
 READ_AGAIN = LOGGED.replace("'A', Step()", "'A' if os.path.isdir(FOLDER) else 'B', Step()")
 
+NESTED = """
+class Tidy(smach.StateMachine):
+    class Door(smach.StateMachine):
+        def __init__(self):
+            super().__init__(outcomes=['done'])
+            with self:
+                self.add('OPEN', Step())
+
+    def __init__(self):
+        super().__init__(outcomes=['done'])
+        with self:
+            self.add('TIDY', Step())
+"""
+
 
 @pytest.mark.parametrize(
     ("text", "verdicts"),
@@ -172,12 +186,14 @@ READ_AGAIN = LOGGED.replace("'A', Step()", "'A' if os.path.isdir(FOLDER) else 'B
         (OF_TYPE, ["partial"]),
         (LOGGED, ["exact"]),
         (READ_AGAIN, ["partial"]),
+        (NESTED, ["exact", "exact"]),
     ],
     ids=[
         *("a state with a machine", "filled by a method", "a kind of container", "a set", "labels of a set"),
         *("unpacked", "one question often", "more questions than are tried after a first try that raises"),
         *("checked by each state", "of a type"),
         *("what is written", "what is written and looked for"),
+        "a class in a machine that doesn't use it",
     ],
 )
 def test_what_is_built_is_found_and_is_exact_where_nothing_decides(text, verdicts, tmp_path):

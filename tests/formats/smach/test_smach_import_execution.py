@@ -10,7 +10,7 @@ from smach_runs import build_legacy, record, run_legacy, run_task, write_recorde
 
 from grip_bt.cli.__main__ import main
 from grip_bt.formats.smach import import_file
-from grip_bt.formats.smach.found import Run
+from grip_bt.formats.smach.found import Run, Told
 from grip_bt.formats.smach.recorder import answered
 from grip_bt.nodes.smach_source import load_legacy
 
@@ -481,6 +481,16 @@ def test_a_question_that_keeps_machines_from_being_built_is_found(wanted):
         return Run(builder="build", answers=answers, error="" if not answers[wanted] else "it ended at once")
 
     assert any(not run.error for run in answered(first, 100))
+
+
+def test_a_loop_that_asks_the_same_again_gets_no_further():
+    def first(given):
+        answers = [*given, *[True] * 4]
+        return Run(
+            builder="__main__", answers=answers, asked=[Told(what="arm.moves()", line=3)] * len(answers), error="no"
+        )
+
+    assert len(answered(first, 100)) < 30
 
 
 def test_a_machine_that_begins_where_the_environment_says_is_not_exact(tmp_path):
