@@ -271,6 +271,11 @@ def _callable(value: Any) -> bool:
     return callable(value)
 
 
+def _map(function: Any, *each: Any) -> Any:
+    unknown = next(filter(stands_in, each), None)  # a function that stands in makes stand-ins of what is known
+    return map(function, *each) if unknown is None else lifted(map, name_of(unknown), function, *each)
+
+
 def _without_order(function: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *arguments, **named: function(*map(_untracked, arguments), **named)
 
@@ -286,6 +291,7 @@ SPECIAL: dict[Any, Callable[..., Any]] = {
     print: lambda *arguments, **named: None,
     type: lambda *given, **named: type(*given, **named) if len(given) != 1 else _type(*given),
     repr: repr,
+    map: _map,
 }
 _ORDERLESS: tuple[Any, ...] = (sorted, min, max, any, all, sum, len)
 SPECIAL.update({function: _without_order(function) for function in _ORDERLESS})

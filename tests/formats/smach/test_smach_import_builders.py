@@ -169,6 +169,26 @@ class Tidy(smach.StateMachine):
         with self:
             self.add('TIDY', Step())
 """
+MAPPED = """
+from shop import Item
+
+if __name__ == '__main__':
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        for item in map(Item.named, ['A', 'B']):
+            smach.StateMachine.add('A%d' % len(sm.get_children()), Step(item))
+    sm.execute()
+"""
+MAPPED_UNKNOWN = """
+from shop import Item, stock
+
+if __name__ == '__main__':
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        for item in map(str, stock()):
+            smach.StateMachine.add('A%d' % len(sm.get_children()), Step(item))
+    sm.execute()
+"""
 
 
 @pytest.mark.parametrize(
@@ -187,13 +207,16 @@ class Tidy(smach.StateMachine):
         (LOGGED, ["exact"]),
         (READ_AGAIN, ["partial"]),
         (NESTED, ["exact", "exact"]),
+        (MAPPED, ["exact"]),
+        (MAPPED_UNKNOWN, ["failed"]),
     ],
     ids=[
         *("a state with a machine", "filled by a method", "a kind of container", "a set", "labels of a set"),
         *("unpacked", "one question often", "more questions than are tried after a first try that raises"),
         *("checked by each state", "of a type"),
         *("what is written", "what is written and looked for"),
-        "a class in a machine that doesn't use it",
+        *("a class in a machine that doesn't use it", "what a stand-in makes of what is known"),
+        "what is made of a stand-in's items",
     ],
 )
 def test_what_is_built_is_found_and_is_exact_where_nothing_decides(text, verdicts, tmp_path):
