@@ -149,7 +149,7 @@ def _blocks(journal: Path) -> int:
 
 
 def test_whatever_makes_a_run_go_otherwise_is_recorded_for_resuming_it() -> None:
-    shown = {"picture", "video", "view", "journal", "resume"}
+    shown = {"picture", "video", "view", "motion", "journal", "resume"}
     assert {field.name for field in fields(RunOptions)} - shown == execute._RECORDED
 
 

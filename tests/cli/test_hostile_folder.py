@@ -137,6 +137,7 @@ def test_nothing_else_starts_this_python() -> None:
     """What is started anew goes through `python_command`, isolated (the process reaper), or somebody's `{python}`."""
     known = {
         "grip_bt/base/interpreter.py",
+        "grip_bt/ros/command.py",
         "grip_bt/ros/process.py",
         "grip_bt/cli/doctor.py",
     }
