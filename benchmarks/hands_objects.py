@@ -123,7 +123,7 @@ class Bench:
         (folder / "worlds" / "one.yaml").write_text(WORLD % (dt, thing))
         file = folder / "tasks" / TASK.name
         file.write_text(TASK.read_text())
-        self._project, document, _ = check_task(file)
+        self._project, document, *_ = check_task(file)
         self._task, self._catalog = document.task, catalogue_of(self._project)
         leaves = [leaf.manifest for leaf in to_tree(self._task, self._catalog).leaves.values()]
         opening = Opening(self._project)
