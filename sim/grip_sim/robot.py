@@ -278,8 +278,7 @@ def _load(scene: sapien.Scene, description: RobotDescription) -> physx.PhysxArti
     builder = _builder(description.urdf)
     body = builder.set_scene(scene).build()
     builder.set_scene(None)  # it stays, and the scene needn't
-    # SAPIEN's own 10 carry a gripper's two contacts; fingers that press around a thing need more.
-    body.set_solver_position_iterations(16 if len(description.finger_links) > 2 else 10)
+    body.set_solver_position_iterations(16)  # with SAPIEN's own 10, a gripper loses what is round in a shake
     body.set_solver_velocity_iterations(1)
     return body
 
