@@ -189,7 +189,7 @@ class WorldFile(Settings):
     fallen_below: Finite = -0.05
     """An object whose centre is lower has fallen [m]."""
     dt: Annotated[float, Field(gt=0, le=0.01)] = 1 / 240
-    """Time step of the physics [s]; what a smaller one changes was the step's doing."""
+    """Time step of the physics [s]; a smaller one shows whether results depend on it."""
 
     @model_validator(mode="after")
     def _known_regions(self) -> WorldFile:
