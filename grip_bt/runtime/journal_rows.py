@@ -56,7 +56,7 @@ def prepare_to_write(database: sqlite3.Connection) -> None:
     database.execute("PRAGMA journal_mode=WAL")
     database.execute("PRAGMA synchronous=FULL")  # a power cut loses nothing that was acknowledged
     refuse_other_versions(database)
-    database.executescript(Path(__file__).with_name("journal.sql").read_text())
+    database.executescript(Path(__file__).with_name("journal.sql").read_text(encoding="utf-8"))
     database.execute(f"PRAGMA user_version={VERSION}")
 
 

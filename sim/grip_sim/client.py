@@ -115,7 +115,7 @@ class SimClient(Closing):
         self._pending: dict[int, tuple[Operation[Reply], bool]] = {}
         self._completions: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self.sent, self._numbers = 0, itertools.count(1)
-        self._stands, self._known = False, dict[str, Reply]()
+        self._stands, self._answers = False, dict[str, Reply]()  # of questions, since something may have changed
         self.on_fault: Callable[[str, str, bool], None] = _unheard
         self._in_turn: InTurnOf | None = None
         self._stood: Callable[[], None] = lambda: None
@@ -145,12 +145,12 @@ class SimClient(Closing):
             SimulatorLostError: the process has ended or doesn't answer.
             GripError: the simulator refused.
         """
-        known, question = self._known, f"{call} {fields}"
-        if call in QUESTIONS and question in known:
-            return known[question]
+        answers, question = self._answers, f"{call} {fields}"
+        if call in QUESTIONS and question in answers:
+            return answers[question]
         reply = self._await(self._send({"call": call, **fields}, waited_for=True), ANSWER_TIME)
         if call in QUESTIONS and self._stands:
-            known[question] = reply  # forgotten by now, where something was sent, or time has passed, meanwhile
+            answers[question] = reply  # forgotten by now, where something was sent, or time has passed, meanwhile
         return reply
 
     def request(self, call: str, /, **fields: object) -> Operation[Reply]:
@@ -192,7 +192,7 @@ class SimClient(Closing):
         """Have simulated time go on; False when the simulator is lost."""
         self._stands = False
         there = not self._tell("go", until=until)
-        self._known = {}
+        self._answers = {}
         return there
 
     def stand(self) -> None:
@@ -201,7 +201,7 @@ class SimClient(Closing):
 
     def go_freely(self) -> None:
         """Have it go by itself again."""
-        self._in_turn, self._stands, self._known = None, False, {}
+        self._in_turn, self._stands, self._answers = None, False, {}
         self._tell("go_freely")
 
     def _tell(self, call: str, **fields: object) -> bool:
@@ -244,7 +244,7 @@ class SimClient(Closing):
             with self._sending:
                 self._connection.sendall(message)
         if changes:
-            self._known = {}
+            self._answers = {}
         return operation
 
     def _await(self, operation: Operation[Reply], seconds: float) -> Reply:
@@ -280,7 +280,7 @@ class SimClient(Closing):
             if "fault" in fields:
                 self._completions.put(partial(self.on_fault, *fields["fault"]))
             if fields.get("stands"):  # behind the ends that came before
-                self._stands, self._known = self._in_turn is not None, {}
+                self._stands, self._answers = self._in_turn is not None, {}
                 self._completions.put(self._stood)
         if operation is not None:
             complete(operation, reply)

@@ -76,7 +76,7 @@ _loaded: list[str] = []
 def load(libraries: list[str]) -> None:
     """Load libraries in this process, so that its children have them."""
     for name in libraries:
-        with suppress(BaseException):  # it is loaded where it is wanted
+        with suppress(Exception, SystemExit):  # it is loaded where it is wanted
             import_module(name)
             _loaded.append(name)
 

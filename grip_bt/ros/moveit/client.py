@@ -147,7 +147,7 @@ def _ended(end: GoalEnd) -> Operation[Message]:
 SUCCESS = 1
 FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
     name: (getattr(failures, kind), meaning)
-    for kind, meanings in to_data(parse(Path(__file__).with_name("failures.yaml").read_text())).items()
+    for kind, meanings in to_data(parse(Path(__file__).with_name("failures.yaml").read_text(encoding="utf-8"))).items()
     for name, meaning in meanings.items()
 }
 
