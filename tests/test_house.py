@@ -58,3 +58,14 @@ def test_no_public_face_takes_or_gives_just_anything(room: str) -> None:
         if annotation is not None and "Any" in {n.id for n in ast.walk(annotation) if isinstance(n, ast.Name)}
     ]
     assert found == []
+
+
+def test_browser_tests_are_where_they_are_looked_for() -> None:
+    tests = Path(__file__).parent
+    assert "tests/gui\n" in (tests.parent / "tools" / "browser_tests.sh").read_text(encoding="utf-8")
+    marked = [
+        file.relative_to(tests).parts[0]
+        for file in tests.rglob("*.py")
+        if "mark" + ".e2e" in file.read_text(encoding="utf-8")
+    ]
+    assert set(marked) == {"gui"}

@@ -15,4 +15,4 @@ if [ -z "$chromium" ]; then
     echo "NOT RUN: browser tests (no Chromium; sudo apt-get install chromium)"
     exit 0
 fi
-CHROMIUM="$chromium" bash tools/run_tests.sh "browser tests" -n 3 --dist worksteal -m e2e tests
+CHROMIUM="$chromium" bash tools/run_tests.sh "browser tests" -n 3 --dist worksteal -m e2e tests/gui
