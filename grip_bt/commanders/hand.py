@@ -69,6 +69,8 @@ Reach = Callable[[Mapping[str, Sequence[float]], JointState, str], JointState]
 SpansOf = Callable[[Sequence[JointState]], Sequence[Span]]
 OPENING_TIME = 0.8
 CLOSING_TIME = 1.2
+THERE, THERE_TIME = 1e-3, 0.05
+"""A hand whose joints are all so near to where they go [rad or m] has no way to open; it may take so long [s]."""
 STEPS = 33
 """From open to closed."""
 TOUCH = 0.1
@@ -132,7 +134,9 @@ class HandCommander:
         return self._touch.slips()
 
     def open(self, posture: JointState | str = "open") -> Operation[JointState]:
-        return self.move(posture, seconds=OPENING_TIME)
+        goal, here = self._posture(posture), self._port.state()
+        there = np.abs(here.ordered(goal.names) - goal.position).max(initial=0.0) < THERE
+        return self.move(goal, seconds=THERE_TIME if there else OPENING_TIME)
 
     def close(
         self, posture: JointState | str = "closed", torque_limit: float | None = None, force: float | None = None

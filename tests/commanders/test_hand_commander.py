@@ -9,8 +9,8 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import NameTakenError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.load import build_robot
-from grip_bt.commanders.fake import FakeHand
-from grip_bt.commanders.hand import HandCommander, Synergies
+from grip_bt.commanders.fake import FakeExecutor, FakeHand
+from grip_bt.commanders.hand import OPENING_TIME, THERE_TIME, HandCommander, Synergies
 from grip_bt.commanders.taught import TaughtStates
 
 FINGERS = {"index": ("joint_0.0", "joint_1.0"), "thumb": ("joint_12.0", "joint_13.0")}
@@ -45,6 +45,17 @@ def test_moving_passes_the_torque_limit_on_and_refuses_what_is_no_limit(hand, po
         hand.move("closed", torque_limit=-1.0)
     with pytest.raises(ValueError, match="positive"):
         hand.move("closed", seconds=np.nan)
+
+
+def test_opening_takes_its_time_but_not_where_the_hand_is_open_already():
+    moved = FakeExecutor(STATES["closed"])
+    hand = HandCommander("right", FakeHand(STATES["closed"], executor=lambda _: moved), STATES, fingers=FINGERS)
+    hand.open().result()
+    hand.open().result()
+    assert [way.duration for way in moved.executed] == [OPENING_TIME, THERE_TIME]
+    hand.move(JointState(FINGERS["thumb"][:1], [0.4])).result()  # one joint is elsewhere
+    hand.open().result()
+    assert moved.executed[-1].duration == OPENING_TIME
 
 
 def test_one_finger_closes_half_way_between_open_and_closed_and_the_others_stay(hand):

@@ -44,6 +44,15 @@ def test_named_states_respect_the_limits(name):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
+def test_arms_rest_at_home_and_hands_open_whatever_states_both_have_together(name):
+    description = robot_model(name).description
+    for states in description.named_states.values():
+        rest = states.get("home", states.get("open"))
+        if rest is not None:
+            assert {joint: description.at_rest[joint] for joint in rest.names} == rest.as_mapping()
+
+
+@pytest.mark.parametrize("name", ROBOTS)
 def test_every_mesh_exists_on_this_machine(name):
     meshes = [Path(m.get("filename")) for m in ET.fromstring(build_robot(name).urdf).iter("mesh")]
     assert meshes or name == "parallel_gripper"  # made of boxes

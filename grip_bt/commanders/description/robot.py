@@ -135,12 +135,11 @@ class RobotDescription:
 
     @property
     def at_rest(self) -> dict[str, float]:
-        """Where joints are unless told otherwise [rad or m]: `rest`, over the groups' states `home` or `open`."""
+        """Where joints are unless told otherwise [rad or m]: `rest`, over any group's state `home`, over `open`, ..."""
         positions: dict[str, float] = {}
-        for states in self.named_states.values():
-            known = next((states[name] for name in RESTING if name in states), None)
-            for joint, position in known.as_mapping().items() if known is not None else ():
-                positions.setdefault(joint, position)
+        for name in RESTING:
+            for states in self.named_states.values():
+                positions = (states[name].as_mapping() if name in states else {}) | positions
         return positions | dict(self.rest)
 
     def opened(self, arm: str) -> JointState:
