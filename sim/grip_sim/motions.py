@@ -25,7 +25,7 @@ NEARLY = 0.1
 """A hand presses as it is to when it does but for this part of the force."""
 AHEAD = 64
 """Steps for which a path is sampled at once."""
-LOOK, LONGEST, MOVED = 0.25, 5.0, 5e-4
+LOOK, LONGEST, MOVED = 0.25, 10.0, 5e-4
 """Objects lie still when two looks, so far apart [s], differ by less [m]; longer than that isn't waited [s]."""
 _PAST = 0.1
 """What was followed longer ago is forgotten when a motion is amended [s]."""
