@@ -331,19 +331,20 @@ async def shake(
     amplitude: float = 0.025,
     frequency: float = 1.5,
     seconds: float = 1.0,
+    ramp: float = 1.0,
     slow_down: bool = False,
 ) -> None:
     """Shake the hand along x, y and z of the world, one after the other, to each side [m], so often [1/s], so long [s].
 
-    A period more at each end lets it grow and sink. An arm that isn't quick enough fails with `out_of_limits`, or
+    `ramp` periods more at each end let it grow and sink. An arm that isn't quick enough fails with `out_of_limits`, or
     shakes as quickly as it can where it may `slow_down`.
     """
     mover = context.arm(arm)
     for offset in amplitude * np.eye(3):
-        await mover.execute(await _swing_in_place(mover, offset, 1 / frequency, seconds, slow_down))
+        await mover.execute(await _swing_in_place(mover, offset, (1 / frequency, seconds, ramp), slow_down))
 
 
-async def _swing_in_place(mover: Arm, offset: Array, period: float, seconds: float, slow_down: bool) -> Plan:
+async def _swing_in_place(mover: Arm, offset: Array, timing: tuple[float, float, float], slow_down: bool) -> Plan:
     """Plan one to and fro; where the arm can't reach both sides, or not so quickly, go where it has more room first."""
     outward = mover.grasp_pose().position * [1, 1, 0]
     outward /= np.linalg.norm(outward)
@@ -354,7 +355,7 @@ async def _swing_in_place(mover: Arm, offset: Array, period: float, seconds: flo
             if step.any():
                 await mover.execute(await mover.plan_straight([there]))
             forth, back = [await mover.plan_straight([there.moved(side * offset)]) for side in (1, -1)]
-            way = swing(back.trajectory, forth.trajectory, period, seconds)
+            way = swing(back.trajectory, forth.trajectory, *timing)
             return await mover.plan_from_trajectory(way, slow_down=slow_down)
         except (NoIkError, OutOfLimitsError, PathInvalidError) as error:
             hindered = error
@@ -362,17 +363,18 @@ async def _swing_in_place(mover: Arm, offset: Array, period: float, seconds: flo
     raise hindered
 
 
-def swing(back: Trajectory, forth: Trajectory, period: float, seconds: float) -> Trajectory:
-    """Return the motion to and fro over two straight lines that begin at its middle."""
+def swing(back: Trajectory, forth: Trajectory, period: float, seconds: float, ramp: float = 1.0) -> Trajectory:
+    """Return the motion to and fro over two straight lines that begin at its middle; `ramp` is in periods."""
     sides = (-_shares(back.positions)[:0:-1], _shares(forth.positions))
     way = np.concatenate([back.positions[:0:-1], forth.positions])
     degree = min(DEGREE, len(way) - 1)
     joints = np.polynomial.polynomial.polyfit(np.concatenate(sides), way - forth.positions[0], degree)
     joints[0] = 0.0  # where the lines meet
-    times = np.arange(round((seconds + 2 * period) * SAMPLES) + 1) / SAMPLES
-    end = np.minimum(times, times[-1] - times) / period
+    growing = ramp * period
+    times = np.arange(round((seconds + 2 * growing) * SAMPLES) + 1) / SAMPLES
+    end = np.minimum(times, times[-1] - times) / growing
     grown = np.where(end < 1, (3 - 2 * end) * end**2, 1.0)
-    growth = np.where(end < 1, 6 * end * (1 - end), 0.0) / period * np.where(times < times[-1] / 2, 1.0, -1.0)
+    growth = np.where(end < 1, 6 * end * (1 - end), 0.0) / growing * np.where(times < times[-1] / 2, 1.0, -1.0)
     angle = 2 * np.pi * times / period
     place = grown * np.sin(angle)
     speed = growth * np.sin(angle) + grown * 2 * np.pi / period * np.cos(angle)

@@ -174,7 +174,7 @@ class Reaching:
 def test_a_shake_begins_where_both_sides_are_in_reach_and_quickly_enough(highest, quick, begins):
     arm = Reaching(highest, quick)
     with pytest.raises(StopIteration) as ended:
-        nodes._swing_in_place(arm, 0.025 * nodes.UP, 0.5, 1.0, False).send(None)
+        nodes._swing_in_place(arm, 0.025 * nodes.UP, (0.5, 1.0, 1.0), False).send(None)
     heights = ended.value.value.positions[:, 2]
     assert (heights[0], heights[-1]) == pytest.approx((begins, begins))
     assert (heights.min(), heights.max()) == pytest.approx((begins - 0.025, begins + 0.025), abs=1e-3)
@@ -185,7 +185,7 @@ def test_a_shake_begins_where_both_sides_are_in_reach_and_quickly_enough(highest
 )
 def test_a_shake_for_which_there_is_no_room_says_why(highest, quick, said):
     with pytest.raises(said):
-        nodes._swing_in_place(Reaching(highest, quick), 0.025 * nodes.UP, 0.5, 1.0, False).send(None)
+        nodes._swing_in_place(Reaching(highest, quick), 0.025 * nodes.UP, (0.5, 1.0, 1.0), False).send(None)
 
 
 def test_a_hand_whose_geometry_nobody_knows_says_so():
@@ -195,14 +195,15 @@ def test_a_hand_whose_geometry_nobody_knows_says_so():
         hand.spans()
 
 
-def test_a_shake_goes_to_both_sides_smoothly_and_comes_back():
+@pytest.mark.parametrize("ramp", [1.0, 0.5])
+def test_a_shake_goes_to_both_sides_smoothly_and_comes_back(ramp):
     names, here = ("a", "b"), np.array([0.3, -0.2])
     steps = np.linspace(0, 1, 30)[:, None]
     bent = np.column_stack([steps[:, 0] + 0.1 * steps[:, 0] ** 2, -0.5 * steps[:, 0]]) * 0.05
     forth, back = (Trajectory(names, steps[:, 0], here + sign * way) for sign, way in ((1, bent), (-1, bent)))
-    way = nodes.swing(back, forth, period=0.5, seconds=1.0)
+    way = nodes.swing(back, forth, period=0.5, seconds=1.0, ramp=ramp)
     away = way.positions - here
-    assert way.duration == pytest.approx(2.0)
+    assert way.duration == pytest.approx(1.0 + 2 * ramp * 0.5)
     assert (away[:, 1].min(), away[:, 1].max()) == pytest.approx((-0.025, 0.025), rel=0.03)
     assert np.abs(away[[0, -1]]).max() < 1e-9
     assert np.abs(way.velocities[[0, -1]]).max() < 1e-9
