@@ -132,3 +132,17 @@ def test_a_hand_that_squeezes_presses_straight_and_its_fingers_as_hard_as_its_th
         assert thumb > 10
         assert sum(pressed.values()) == pytest.approx(thumb, rel=0.35)
         assert max(pressed.values()) < 0.75 * thumb
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_the_shadows_thumb_presses_against_three_fingers_and_not_against_the_first_alone(side):
+    """What it holds would turn about the line between the two. Its fingers are alike, so their roots' torques tell."""
+    robot = load_robot(f"shadow_{side}")
+    model, states = RobotModel(robot), robot.named_states["hand"]
+    opened, closed = states["pinch_open"], states["pinch_closed"]
+    ways = np.linspace(opened.position, closed.ordered(opened.names), 7)[1:-1]
+    for span in spans_of(model, "hand", model.grasp_frame_of("hand"), [JointState(opened.names, w) for w in ways]):
+        off = dict(zip(opened.names, span.squeezing.position - span.posture.position, strict=True))
+        presses = np.array([off[f"{side[0]}h_{finger}J3"] for finger in ("FF", "MF", "RF")])
+        assert (presses / presses.sum()).max() < 0.5
+        assert (presses / presses.sum()).min() > 0.15
