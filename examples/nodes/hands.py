@@ -29,7 +29,7 @@ GAP = 0.003
 HOLD = 0.006
 """Least height of a thing that is between the tips [m]."""
 BESIDE_THUMB = 0.018
-"""How far a wrapped thing lies from the grasp frame, along the fingers: the thumb's root rises above the palm [m]."""
+"""How far a wrapped thing lies along the fingers from the grasp frame, at least: the thumb's root is high [m]."""
 HIGHEST, HIGHEST_ROUND = 0.8, 0.65
 """Round tips meet a thing below these parts of its height: what is round would be pressed down and away."""
 OWN = 1e3
@@ -276,14 +276,16 @@ def _pose(rotation: Array, position: Array) -> Pose:
 def _wraps(thing: Thing, spans: Sequence[Span]) -> Iterator[Way]:
     opened, top, centre = spans[0], float(thing.size[2]), thing.pose.position
     hollow = spans[-1].middle[2]
+    clear = float((opened.middle - opened.gap / 2 * opened.axis)[0]) + ROOM  # of the thumb, on the way to the palm
     outward = centre[:2] / np.linalg.norm(centre[:2])
     for quarter in range(4):
         for turn in TURNS:
             z = thing.pose.rotation() @ [np.cos(quarter * np.pi / 2 + turn), np.sin(quarter * np.pi / 2 + turn), 0]
             width, deep = thing.width(np.cross(UP, z)), thing.width(z)
-            if width > opened.gap - ROOM or thing.size[:2].min() < FILLED * hollow:
-                continue
-            thumb = _near(spans, width).middle[1]
+            held = _near(spans, width)
+            if width > min(opened.gap - ROOM, 2 * held.depth) or thing.size[:2].min() < FILLED * hollow:
+                continue  # too wide, or for the tips to come around its middle, or so thin that it isn't touched
+            thumb = held.middle[1]
             for flip in (1.0, -1.0):
                 y = flip * UP
                 rotation = np.stack([np.cross(y, z), y, z], axis=1)
@@ -292,7 +294,7 @@ def _wraps(thing: Thing, spans: Sequence[Span]) -> Iterator[Way]:
                 if off > OFF * top:  # there the thumb and the fingers against it would close beyond the thing's top
                     continue
                 palm = np.array([*centre[:2], thing.floor + height]) - (deep / 2 + GAP) * z
-                pose = _pose(rotation, palm - BESIDE_THUMB * rotation[:, 0])
+                pose = _pose(rotation, palm - max(BESIDE_THUMB, clear + width / 2) * rotation[:, 0])
                 yield pose, z, opened, None, width, 1.0 + float(z[:2] @ outward) - 10 * off - 2 * abs(turn)
 
 

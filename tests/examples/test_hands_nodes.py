@@ -105,12 +105,19 @@ def test_what_is_too_wide_for_a_hand_gets_no_grasp(robot):
     assert not proposed(robot, thing(0.2, 0.2, 0.1))
 
 
-def test_only_a_hand_with_a_thumb_wraps_and_only_what_fills_it():
-    def sideways(what):
-        return [g for g in proposed("panda_allegro", what) if abs(g.pose.rotation()[2, 2]) < 0.1]
+@pytest.mark.parametrize(("robot", "fits", "wide"), [("panda_allegro", 0.065, 0.1), ("ur10_shadow", 0.065, 0.085)])
+def test_a_hand_with_a_thumb_wraps_what_fills_it_and_what_its_tips_come_around(robot, fits, wide):
+    def sideways(edge):
+        return [g for g in proposed(robot, thing(edge, edge, 0.18)) if abs(g.pose.rotation()[2, 2]) < 0.1]
 
-    assert sideways(thing(0.065, 0.065, 0.18))
-    assert not sideways(thing(0.02, 0.02, 0.18))
+    opened = nodes.Spans.of(hand_of(robot)).around[0]
+    thumb = opened.middle - opened.gap / 2 * opened.axis
+    assert sideways(fits)
+    for grasp in sideways(fits):
+        beside = grasp.pose.inverse().apply([[0.5, 0.1, 0.09]])[0]
+        assert beside[0] - grasp.width / 2 > thumb[0], "its thumb would push the thing away as it comes"
+    assert not sideways(0.02)
+    assert not sideways(wide)
 
 
 GRIPPERS = ("panda", "ur5_robotiq", "xarm7_gripper")
