@@ -44,7 +44,13 @@ def read(request: Request) -> Imported:
     path = request.path
     if not path.exists():
         raise GripError(f"{path}: there is no such file or folder")
-    read = _read_all(_files(path), request)
+    read, root = list[ImportedFile](), path if path.is_dir() else None
+    inside = () if root is None else sorted(root.rglob("*.py"))
+    files_there = [p for p in inside if not any(part.startswith(".") for part in p.parts)] if root else [path]
+    request.progress(0, len(files_there), "")
+    for imported in import_files(files_there, root, request.execute, request.arguments, request.success):
+        read.append(imported)
+        request.progress(len(read), len(files_there), imported.file.name)
     if len(read) == 1 and read[0].error:
         raise GripError(read[0].error)
     if not any(each.containers or each.error for each in read):
@@ -71,16 +77,6 @@ def read(request: Request) -> Imported:
     return Imported(tasks, tuple(errors), tuple(items), files=files, advice=tuple(_advice(read, request.execute)))
 
 
-def _read_all(files: list[Path], request: Request) -> list[ImportedFile]:
-    root = request.path if request.path.is_dir() else None
-    read = []
-    request.progress(0, len(files), "")
-    for each in import_files(files, root, request.execute, request.arguments, request.success):
-        read.append(each)
-        request.progress(len(read), len(files), each.file.name)
-    return read
-
-
 def import_files(
     files: list[Path],
     root: Path | None = None,
@@ -89,14 +85,8 @@ def import_files(
     success: tuple[str, ...] = (),
 ) -> Iterator[ImportedFile]:
     """Read legacy files as `import_file` does, several at a time; in their order."""
-    with Recorder() if execute else nullcontext() as recorder, ThreadPoolExecutor(3 if execute else 1) as pool:
+    with Recorder() if execute else nullcontext() as recorder, ThreadPoolExecutor(6 if execute else 1) as pool:
         yield from pool.map(lambda file: import_file(file, root, recorder, given, success), files)
-
-
-def _files(path: Path) -> list[Path]:
-    if path.is_dir():
-        return sorted(p for p in path.rglob("*.py") if not any(part.startswith(".") for part in p.parts))
-    return [path]
 
 
 @dataclass

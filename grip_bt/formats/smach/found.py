@@ -198,7 +198,7 @@ class Run(BaseModel):
         calls: the source of the arguments of what was called, one after the other.
         missing: parameters of the builder that a stand-in was given for.
         unfinished: whether there are answers that weren't tried.
-        wanted: of a program that built nothing, the classes of machines that it names.
+        wanted: of a program that built nothing, a class of machines that it names.
     """
 
     builder: str
@@ -210,7 +210,7 @@ class Run(BaseModel):
     calls: list[str] = []
     missing: list[str] = []
     unfinished: bool = False
-    wanted: list[str] = []
+    wanted: str = ""
     stopped: bool = False
 
 

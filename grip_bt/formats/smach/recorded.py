@@ -46,8 +46,7 @@ class Recorder:
 
     def record(self, file: Path, root: Path | None = None, given: Given | None = None) -> tuple[Record, Record]:
         """Run the construction of a file's machines; return what one process saw, and the other of the same ones."""
-        plain = {name: dict(arguments) for name, arguments in (given or {}).items()}
-        job = Job(file=str(file), root=None if root is None else str(root), given=plain)
+        job = Job(file=str(file), root=root and str(root), given={n: dict(each) for n, each in (given or {}).items()})
         turn = crc32(file.name.encode()) % 2  # while one is asked about this file, the other is about the next
         first = self._asked(turn, job)
         job.builders = sorted({seen[0][0].builder for seen in _chosen(first).values() if not _is_open(seen)})
@@ -194,7 +193,7 @@ def _span(told: Told) -> Span | None:
 
 
 def _not_built(file: Path, found: list[ContainerInfo], record: Record) -> Iterator[ContainerInfo]:
-    wanted = next((name for run in record.runs for name in run.wanted), "")
+    wanted = next((run.wanted for run in record.runs if run.wanted), "")
     line = read_source(file).text.partition(f"{wanted}(")[0].count("\n") + 1
     named = [Place("", line, line, wanted, "__main__")] if wanted and not found else []
     for place in places_of(file) or named:

@@ -27,7 +27,7 @@ from grip_bt import smach_compat
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_construction import CONTAINERS, Construction
 from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, names_in, read_source, run_as, workspace_of
-from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, stands_in, unwrapped
+from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, unwrapped
 
 from . import tracked_code
 from .facts import facts_of
@@ -44,6 +44,10 @@ _ROS = ("rospy", "rosparam", "rclpy", "roslib", "actionlib", "smach_ros", "tf", 
 _INTERFACES = ("_msgs", "_srvs", "_interfaces")
 _BUILDERS = {cls.__name__ for cls in CONTAINERS}
 _OURS = (os.path.dirname(__file__), os.path.dirname(stand_ins.__file__))
+
+
+_Way = tuple[str | bool | None, int, list[bool]]
+"""How the run ends that it parts from, or whether that builds something; how much that asked; the answers."""
 
 
 class TooManyError(BaseException):
@@ -155,30 +159,39 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
 
     It ends early where that is enough: each machine is another one by the answers, or there are too many ways. The last
     question of the last run is changed first: what it led to was nearest to it; last what comes after one that was
-    changed without any effect on an error: it is raised again, and nothing more is asked before it.
+    changed without any effect on how it ends: it ends so again, and nothing else is asked before. Where none of the
+    others has built anything, that isn't tried at all.
     """
-    todo, runs, shapes, fruit = [("", 0, list[bool]())], list[Run](), defaultdict[str, set[str]](set), 0
-    furthest, works, begun = dict[str, int](), False, seconds_used()
-    while todo:
-        fruitless = not shapes and len(runs) - fruit > MOST_FRUITLESS
-        late = seconds_used() - begun > PATIENCE / 3 or len(runs) >= most or fruitless
-        hopeless = len(runs) + len(todo) > most and len(runs) >= FEW_ANSWERS and works
-        if late or hopeless:
+    todo: list[_Way] = [(None, 0, [])]
+    idle, runs = list[_Way](), list[Run]()
+    shapes, furthest, fruit, built, dead = defaultdict[str, set[str]](set), dict[str, int](), 0, False, 0
+    begun, seen = seconds_used(), set[tuple[str, int]]()
+    while todo or idle:
+        fruitless = not built and (not todo or len(runs) - fruit > MOST_FRUITLESS)
+        many = len(runs) + len(todo) + len(idle) > most and len(runs) >= FEW_ANSWERS
+        late = seconds_used() - begun > PATIENCE / 3 or len(runs) >= most or dead > 1
+        if fruitless or late or (many and built):
             for run in runs:
                 run.unfinished = True
             break
-        error, before, given = todo.pop()
+        before, asked_before, given = (todo or idle).pop()
         run = first(given)
         runs.append(run)
-        asked, works, new = len(run.answers), works or not run.error, {(told.what, told.line) for told in run.asked}
+        asked, new = len(run.answers), {(told.what, told.line) for told in run.asked}
+        end = run.error or run.builder == "import" or bool(run.machines)
+        built, dead = built or end is True, dead + (run.unfinished and not asked)  # it was stopped
         if len(new) > furthest.get(run.error, -1):  # a loop asks the same again
             furthest[run.error], fruit = len(new), len(runs)
         for machine in run.machines:
             shapes[machine.key].add(machine.shape)
         if run.stopped or (shapes and all(len(each) > 1 for each in shapes.values())):
             break
-        more = [(run.error, asked, [*run.answers[:n], not run.answers[n]]) for n in range(len(given), asked)]
-        todo = [*more, *todo] if error and run.error == error and asked <= before else [*todo, *more]
+        more: list[_Way] = [(end, asked, [*run.answers[:n], not run.answers[n]]) for n in range(len(given), asked)]
+        if end is not True and end == before and asked <= asked_before and new <= seen:
+            idle = [*more, *idle]
+        else:
+            todo += more
+        seen |= new
     return runs
 
 
@@ -247,12 +260,12 @@ class FileRecorder:
         surround(self.workspace)
         guard(self.workspace, self.read)
 
-    def _wanted(self) -> list[str]:
-        """Return the classes of machines that the program names."""
-        own = vars(sys.modules["__main__"])
+    def _wanted(self) -> str:
+        """Return a class of machines that the program names, or nothing."""
+        own, named = vars(sys.modules["__main__"]), sorted(_names(_code(self.file)))
         spaces = (own, *(vars(each) for each in own.values() if isinstance(each, ModuleType)))
-        found = [(name, names.get(name)) for names in spaces for name in sorted(_names(_code(self.file)))]
-        return [name for name, cls in found if isinstance(cls, type) and issubclass(cls, CONTAINERS)]
+        found = ((name, names[name]) for names in spaces for name in named if name in names)
+        return next((name for name, cls in found if isinstance(cls, type) and issubclass(cls, CONTAINERS)), "")
 
     def _run(self, builder: str, asking: Asking, recording: Recording, work: Callable[[], Any]) -> tuple[Run, Any]:
         stand_ins.judged_by(asking)
@@ -283,7 +296,7 @@ class FileRecorder:
                 run.machines = []
             elif run.unfinished and not run.machines:
                 run.error = "it asks without end what is known only in a run"
-            run.wanted = self._wanted() if run.error and builder == "__main__" else []
+            run.wanted = self._wanted() if run.error and builder == "__main__" else ""
             return run
 
         def failed(words: str) -> Run:  # what it would have made isn't known
@@ -344,12 +357,7 @@ class FileRecorder:
 
 def _argument(parameter: inspect.Parameter) -> Any:
     """Return what stands for an argument: of the class that its annotation names."""
-    annotation = parameter.annotation
-    if stands_in(annotation) and isinstance(annotation, type):
-        made = annotation()
-        vars(made)["_stand_in_name"] = parameter.name
-        return made
-    made = stand_in(parameter.name)
+    made, annotation = stand_in(parameter.name), parameter.annotation
     declared = annotation if isinstance(annotation, str) else getattr(annotation, "__name__", "")
     vars(made)["_stand_in_declared"] = declared.split("[")[0]
     return made

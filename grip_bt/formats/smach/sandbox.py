@@ -38,6 +38,7 @@ def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel
         os._exit(0)
     os.close(writer)
     parts, end, before, idle = [], time.monotonic() + 10 * patience, "", 0
+    why = f"its process ended, perhaps after {patience} s of computing"
     while True:
         if select.select([reader], [], [], _LOOK)[0]:
             part = os.read(reader, 1 << 20)
@@ -49,15 +50,11 @@ def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel
         before, idle = now, idle + 1 if now and now == before else 0
         if idle >= _IDLE or time.monotonic() > end:
             os.kill(child, signal.SIGKILL)
-            why = "it waits for something" if idle >= _IDLE else f"it was stopped after {10 * patience} s"
-            parts = [otherwise(why).model_dump_json().encode()]
+            parts, why = [], "it waits for something" if idle >= _IDLE else f"it was stopped after {10 * patience} s"
             break
     os.close(reader)
     os.waitpid(child, 0)
-    return (
-        b"".join(parts).decode()
-        or otherwise(f"its process ended, perhaps after {patience} s of computing").model_dump_json()
-    )
+    return b"".join(parts).decode() or otherwise(why).model_dump_json()
 
 
 def _asleep(process: int) -> str:

@@ -259,8 +259,12 @@ def _rosparam(module: ModuleType) -> None:
         for name, value in values.items() if isinstance(values, dict) and not stands_in(namespace) else ():
             stand_ins.judge.known[f"ROS parameter {namespace.rstrip('/')}/{name}"] = value
 
-    given: dict[str, Any] = {"load_file": load, "upload_params": upload}
-    for name, function in given.items():
+    _give(module, load_file=load, upload_params=upload)
+
+
+def _give(module: ModuleType, **functions: Any) -> None:
+    """Give a module functions that take stand-ins as they are."""
+    for name, function in functions.items():
         function._stand_in_free = True
         setattr(module, name, function)
 
@@ -277,19 +281,12 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
                 return default if found is _ABSENT else found
             return lasting(f"ROS parameter {name}", default, default is not None)
 
-        given: dict[str, Any] = {
-            "get_param": parameter,
-            "has_param": lambda name: (
-                stand_in(f"ROS parameter {name}", wanted=False)
-                if stands_in(found := parameter(name, _ABSENT))
-                else found is not _ABSENT
-            ),
-            "is_shutdown": lambda: stand_in("rospy.is_shutdown()"),
-            "myargv": lambda *given, **named: sys.argv,
-        }
-        for name, function in given.items():
-            function._stand_in_free = True
-            setattr(module, name, function)
+        def there(name: Any) -> Any:
+            found = parameter(name, _ABSENT)
+            return stand_in(f"ROS parameter {name}", wanted=False) if stands_in(found) else found is not _ABSENT
+
+        shut = lambda: stand_in("rospy.is_shutdown()")  # noqa: E731
+        _give(module, get_param=parameter, has_param=there, is_shutdown=shut, myargv=lambda *given, **named: sys.argv)
 
     def folder(name: Any, *rest: Any) -> Any:
         found = None if stands_in(name) else workspace.packages.get(name)
@@ -307,10 +304,7 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         _packages(workspace, module.RosPack)
         module.RosPack.get_path = lambda self, name: folder(name)
 
+    share = lambda module: setattr(module, "get_package_share_directory", folder)  # noqa: E731
     finder.made |= {"rospy": rospy, "rosparam": _rosparam, "smach_ros": smach_ros, "rospkg": rospkg}
-    for name, function in (
-        ("roslib.packages", "get_pkg_dir"),
-        ("ament_index_python.packages", "get_package_share_directory"),
-        ("ament_index_python", "get_package_share_directory"),
-    ):
-        finder.made[name] = lambda module, function=function: setattr(module, function, folder)  # type: ignore[misc]
+    finder.made |= {"ament_index_python": share, "ament_index_python.packages": share}
+    finder.made["roslib.packages"] = lambda module: setattr(module, "get_pkg_dir", folder)

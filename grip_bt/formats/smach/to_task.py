@@ -72,10 +72,8 @@ class TaskMaker:
             node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
         outcomes = meanings(self.root, self.leaves.meanings)
         if guessed := self.leaves.meanings.guessed(self.root.outcomes or ()):
-            self.root.problem(
-                "note",
-                f"`{guessed}` is taken for success, as no outcome has that name; --success NAME says otherwise",
-            )
+            said = "is taken for success, as no outcome has that name; --success NAME says otherwise"
+            self.root.problem("note", f"`{guessed}` {said}")
         on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}
         node = node.model_copy(update={"on": FrozenDict(on)})
         return self._checked(node, outcomes)
@@ -114,7 +112,7 @@ class TaskMaker:
         position = self.variables.new("position", task_name(found.cls))
         item = keys(plan.label)
         on, steps = {here: task_name(plan.final[there]) for here, there in ends.items() if there in plan.final}, {}
-        for number, (target, loops) in enumerate(plan.interrupted() or [(plan.exhausted, [])]):
+        for number, (target, loops) in enumerate(plan.interrupted.items() or [(plan.exhausted, [])]):
             step = free("next" if not number else f"next {number + 1}", means)
             on |= {here: step for here, there in ends.items() if there in loops}
             known = target in (found.outcomes or ())
@@ -150,16 +148,13 @@ class TaskMaker:
         children[asked] = Leaf(node="smach/preempt_obeyed", with_={} if allowed else {"allowed": False})
         rules = [ParallelRule(when={asked: "preempted"}, then=labels["preempted"])] if allowed else []
         for outcome, wanted in given:
-            when = {task_name(c): [h for h, there in ends_of[c].items() if there == o] for c, o in wanted.items()}
-            if all(when.values()):  # what a state never ends with never holds
-                rules.append(
-                    ParallelRule(when={c: w[0] if len(w) == 1 else w for c, w in when.items()}, then=labels[outcome])
-                )
+            by_child = {task_name(c): [h for h, there in ends_of[c].items() if there == o] for c, o in wanted.items()}
+            if all(by_child.values()):  # what a state never ends with never holds
+                when = {c: w[0] if len(w) == 1 else w for c, w in by_child.items()}
+                rules.append(ParallelRule(when=when, then=labels[outcome]))
         rules.append(ParallelRule(then=labels[default]))
-        node = Parallel(
-            kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=source_of(found)
-        )
-        return node, ends
+        said: Any = {"children": children, "rules": rules, "outcomes": own, "x": source_of(found)}
+        return Parallel(kind="parallel", cancel="join", **said), ends
 
     def child(self, found: ContainerInfo, added: Child, keys: Keys, raw: bool = False) -> tuple[AnyNode, Ends]:
         """Return one child as a node."""
@@ -178,11 +173,8 @@ class TaskMaker:
             inner = Keys(self.variables, task_name(added.label), {k: v for k, v in shared.items() if k not in own})
             node, ends = self.container(state, inner)
             if own and not isinstance(node, StateMachine):
-                node = as_machine(
-                    node,
-                    {here: task_name(there) for here, there in ends.items()},
-                    meanings(state, self.leaves.meanings),
-                )
+                on = {here: task_name(there) for here, there in ends.items()}
+                node = as_machine(node, on, meanings(state, self.leaves.meanings))
                 ends = {task_name(o): o for o in state.outcomes or ()}
             if out:
                 node = copy_out_last(node, out, inner, self.leaves)
@@ -234,7 +226,9 @@ class TaskMaker:
     def _checked(self, node: AnyNode, outcomes: Mapping[str, Meaning]) -> Task:
         catalog = Catalog.builtin().with_manifests(spec.manifest for spec in self.leaves.specs.values())
         task = self._task(node, outcomes, set())
-        missing = _read_too_early(task, catalog) | set(self.variables.first)
+        nodes: dict[str, Any] = dict(model.walk(task.root))
+        early = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
+        missing = {*self.variables.first, *(str(nodes[each.path].in_[str(each.key[1])]) for each in early)}
         task = self._task(mark_unwritten(node, missing), outcomes, missing)
         for issue in validate(task, catalog).issues:
             if issue.severity == "error":
@@ -252,9 +246,3 @@ class TaskMaker:
             data={name: declared for name, declared in data.items() if name not in local},
             root=node,
         )
-
-
-def _read_too_early(task: Task, catalog: Catalog) -> set[str]:
-    nodes = dict(model.walk(task.root))
-    early = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
-    return {str(nodes[issue.path].in_[str(issue.key[1])]) for issue in early}  # type: ignore[union-attr]  # of leaves

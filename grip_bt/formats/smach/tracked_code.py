@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import ast
 import builtins
+import os
+import re
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from types import BuiltinFunctionType, FrameType, FunctionType, MethodType
 from typing import Any
 
@@ -28,10 +31,16 @@ from grip_bt.nodes.stand_ins import (
     value_of,
 )
 
-IS, CALL, STAR, SET, MOD, TEXT = (f"__grip_{name}__" for name in ("is", "call", "star", "set", "mod", "text"))
+NAMES = IS, CALL, STAR, SET, MOD, TEXT, IDLE, MAYBE = tuple(
+    f"__grip_{name}__" for name in "is call star set mod text idle maybe".split()
+)
 Tries = list[tuple[range, str]]
 """The lines of each `try` of a file, and what it takes."""
 _DIRECT = ("super", "locals", "globals", "vars", "dir", "eval", "exec")
+
+
+_IDLE = re.compile(r"print|os\.(mkdir|makedirs)|(rospy|logging)\.(log)?(debug|info|warn(ing)?|err(or)?|fatal)(_\w+)?")
+"""Calls that change nothing here: an `if` that guards nothing else needn't be asked."""
 
 
 class _Tracking(ast.NodeTransformer):
@@ -42,6 +51,18 @@ class _Tracking(ast.NodeTransformer):
         caught = " ".join(ast.unparse(h.type or ast.Name("Exception")) for h in node.handlers)
         self.tries.append((range(node.body[0].lineno, (node.body[-1].end_lineno or 0) + 1), caught))
         return self.generic_visit(node)
+
+    def visit_If(self, node: ast.If) -> ast.AST:
+        called = [] if node.orelse else _idly_called(node.body)
+        self.generic_visit(node)
+        match node:
+            case ast.If(test, [ast.AugAssign(ast.Name(name) as text, ast.Add(), ast.Constant(str()) as more)], []):
+                value = _calling(MAYBE, test, test, ast.Name(name, ast.Load()), more)
+                return ast.copy_location(ast.Assign([text], value), node)
+            case ast.If(ast.UnaryOp(ast.Not(), test) | test) if called:
+                functions = ast.Lambda(_NONE, ast.Tuple(called, ast.Load()))
+                node.test = _calling(IDLE, test, test, ast.Constant(test is not node.test), functions)
+        return node
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         self.generic_visit(node)
@@ -81,6 +102,19 @@ class _Tracking(ast.NodeTransformer):
         return _calling(TEXT, node, *parts)
 
 
+_ACTING = (ast.Call, ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom)
+_NONE = ast.arguments([], [], None, [], [], None, [])
+
+
+def _idly_called(body: list[ast.stmt]) -> list[ast.expr]:
+    """Return the functions that a body calls, if it does nothing but call such that change nothing."""
+    calls = [each.value for each in body if isinstance(each, ast.Expr) and isinstance(each.value, ast.Call)]
+    given = [n for call in calls for each in (*call.args, *call.keywords) for n in ast.walk(each)]
+    acting = [n for n in given if isinstance(n, _ACTING) and getattr(getattr(n, "func", n), "attr", "") != "format"]
+    idle = len(calls) == len(body) and all(_IDLE.fullmatch(ast.unparse(call.func)) for call in calls)
+    return [call.func for call in calls] if idle and not acting else []
+
+
 def _calling(name: str, node: ast.expr, *arguments: ast.expr, keywords: Iterable[ast.keyword] = ()) -> ast.Call:
     function = ast.copy_location(ast.Name(name, ast.Load()), node)
     made = ast.Call(function, list(arguments), list(keywords))
@@ -95,7 +129,7 @@ def tracked(tree: ast.Module) -> tuple[ast.Module, Tries]:
 
 def install() -> None:
     """Give compiled code its functions."""
-    for name, function in ((IS, _is), (CALL, _call), (STAR, _star), (SET, TrackedSet), (MOD, _mod), (TEXT, _text)):
+    for name, function in zip(NAMES, (_is, _call, _star, TrackedSet, _mod, _text, _idle, _maybe), strict=True):
         setattr(builtins, name, function)
 
 
@@ -114,7 +148,7 @@ def caller() -> FrameType | None:
 
 def _is(left: Any, right: Any) -> bool:
     for one, other in ((left, right), (right, left)):
-        if stands_in(one) and not isinstance(one, type):
+        if stands_in(one):
             held = value_of(one)
             if other is None and one._stand_in_class is not None:
                 return False
@@ -132,9 +166,21 @@ def _is(left: Any, right: Any) -> bool:
     return left is right
 
 
+def _idle(tested: Any, turned: bool, called: Callable[[], tuple[Any, ...]]) -> bool:
+    free = lambda f: stands_in(f) or f in (print, os.mkdir, os.makedirs) or f.__module__ == "logging"  # noqa: E731
+    return bool(tested) != turned if not stands_in(tested) or not all(map(free, called())) else False
+
+
+def _maybe(tested: Any, text: Any, more: str) -> Any:
+    """Return a text with more or without: where that goes by what only is so here, one that is so here."""
+    if stands_in(tested) and value_of(tested) is not stand_ins.UNKNOWN and isinstance(held := value_of(text), str):
+        return surely(str, stand_in(name_of(tested), held + more if value_of(tested) else held))
+    return text + more if tested else text
+
+
 def _mod(left: Any, right: Any) -> Any:
-    if isinstance(left, (str, bytes)) and _inside(right):
-        return surely(type(left), lifted(lambda a, b: a % b, f"text with {_first_name(right)}", left, right))
+    if isinstance(left, (str, bytes)) and (unknown := next(_held_in(right), None)) is not None:
+        return surely(type(left), lifted(lambda a, b: a % b, f"text with {name_of(unknown)}", left, right))
     return left % right
 
 
@@ -143,28 +189,22 @@ def _text(*parts: Any) -> Any:
         shown: dict[int, Callable[[Any], Any]] = {-1: lambda v: v, ord("r"): repr, ord("s"): str, ord("a"): ascii}
         return "".join(p if isinstance(p, str) else format(shown[p[1]](p[0]), p[2]) for p in values)
 
-    name = f"text with {_first_name(parts)}" if _inside(parts) else ""
-    return surely(str, lifted(joined, name, *parts)) if name else joined(*parts)
+    unknown = next(_held_in(parts), None)
+    return joined(*parts) if unknown is None else surely(str, lifted(joined, f"text with {name_of(unknown)}", *parts))
 
 
 def _sure_class(value: Any) -> Any:
-    kind = value._stand_in_class if stands_in(value) and not isinstance(value, type) else None
+    kind = value._stand_in_class if stands_in(value) else None
     return None if kind is object else kind
 
 
-def _inside(value: Any) -> bool:
-    if isinstance(value, (tuple, list)):
-        return any(map(_inside, value))
-    if type(value) is dict:
-        return any(map(_inside, value.values()))
-    return stands_in(value) and not isinstance(value, type)
-
-
-def _first_name(value: Any) -> str:
-    if isinstance(value, (tuple, list, dict)):
-        items = value.values() if isinstance(value, dict) else value
-        return next((_first_name(each) for each in items if _inside(each)), "")
-    return name_of(value)
+def _held_in(value: Any) -> Iterator[Any]:
+    """Yield what stands in: a value, or what is in lists, tuples and dictionaries."""
+    if isinstance(value, (tuple, list)) or type(value) is dict:
+        for each in value.values() if isinstance(value, dict) else value:
+            yield from _held_in(each)
+    elif stands_in(value):
+        yield value
 
 
 class TrackedSet(set[Any]):
@@ -204,14 +244,10 @@ def _untracked(value: Any) -> Any:
     return set(set.__iter__(value)) if type(value) is TrackedSet else value
 
 
-def _may_lack(value: Any) -> bool:
-    return isinstance(value, StandInModule) or (stands_in(value) and not isinstance(value, type))
-
-
 def _hasattr(value: Any, name: str) -> bool:
     if (sure := _sure_class(value)) is not None:
         return hasattr(sure, name)
-    if _may_lack(value) and name not in vars(value):
+    if isinstance(value, (StandInModule, StandIn)) and name not in vars(value):
         known_as = value.__name__ if isinstance(value, StandInModule) else name_of(value)
         held = value_of(value) if stands_in(value) else stand_ins.UNKNOWN
         return asked_once(value, f"hasattr({known_as}, {name!r})", held is stand_ins.UNKNOWN or hasattr(held, name))
@@ -220,7 +256,7 @@ def _hasattr(value: Any, name: str) -> bool:
 
 def _getattr(value: Any, name: Any, *default: Any) -> Any:
     name = _plain_text(name)
-    if default and _may_lack(value) and not _hasattr(value, name):
+    if default and isinstance(value, (StandInModule, StandIn)) and not _hasattr(value, name):
         return default[0]
     return getattr(value, name, *default)
 
@@ -232,7 +268,7 @@ def _plain_text(name: Any) -> Any:
 def _isinstance(value: Any, kinds: Any) -> bool:
     if (sure := _sure_class(value)) is not None:
         return issubclass(sure, kinds)
-    if stands_in(value) and not isinstance(value, type):
+    if stands_in(value):
         held = value_of(value)
         if held is not stand_ins.UNKNOWN:
             return asked_once(value, f"the class of {name_of(value)}", isinstance(held, kinds), kinds)
@@ -254,7 +290,7 @@ def _each(kinds: Any) -> tuple[Any, ...]:
 
 
 def _issubclass(value: Any, kinds: Any) -> bool:
-    if isinstance(value, type) and not (stands_in(kinds) and not isinstance(kinds, type)):
+    if isinstance(value, type) and not stands_in(kinds):
         return issubclass(value, kinds)
     return stand_ins.judge.decide(f"issubclass({name_of(value)}, {name_of(kinds)})", True)
 
@@ -266,7 +302,7 @@ def _type(value: Any) -> Any:
 
 
 def _callable(value: Any) -> bool:
-    if stands_in(value) and not isinstance(value, type):
+    if stands_in(value):
         return asked_once(value, f"callable({name_of(value)})", True)
     return callable(value)
 
@@ -302,11 +338,11 @@ _KEEPING = ("grip_bt.", "smach", "functools", "threading", "collections", "enum"
 _FUNCTIONS = (FunctionType, BuiltinFunctionType, MethodType)
 
 
+@dataclass
 class _Spread:
     """Arguments of which nobody knows how many they are."""
 
-    def __init__(self, value: StandIn):
-        self.value = value
+    value: StandIn
 
 
 def _star(value: Any) -> Any:
@@ -328,17 +364,15 @@ def _call(function: Any, *arguments: Any, **named: Any) -> Any:
         special = SPECIAL.get(function) if not stands_in(function) else None
     except TypeError:  # unhashable
         special = None
-    given = (*arguments, *named.values())
-    about = next((a for a in given if stands_in(a) and not isinstance(a, type)), None)
+    about = next(filter(stands_in, (*arguments, *named.values())), None)
     if special is not None and (about is None or special not in _LIFTED):
         return special(*arguments, **named)
     owner = getattr(function, "__self__", None)
-    name = name_of(about)
-    if about is None and type(owner) is str and _inside(arguments):  # such as `join`
-        about, name = arguments, _first_name(arguments)
+    if about is None and type(owner) is str:  # such as `join`
+        about = next(_held_in(arguments), None)
     if about is None or _takes_stand_ins(function, owner):
         return function(*arguments, **named)
-    return lifted(function, name, *arguments, **named)
+    return lifted(function, name_of(about), *arguments, **named)
 
 
 _LIFTED = {SPECIAL[each] for each in _ORDERLESS}

@@ -58,17 +58,10 @@ class Keys:
             name = self(key)
             if name in self._variables.values or name in self._variables.first:
                 continue  # the parent's value comes in
-            try:
-                self._variables.values[name] = plain_literal(value)
-            except ValueError:
+            if value.opaque is None:
+                self._variables.values[name] = value.value
+            else:
                 self._variables.first[name] = (key, found)
-
-
-def plain_literal(value: Value) -> object:
-    """Return a value as a task can hold it, or raise ValueError with its source."""
-    if value.opaque is not None:
-        raise ValueError(value.opaque)
-    return value.value
 
 
 def private_keys(outer: ContainerInfo, added: Child, names: Mapping[str, str]) -> set[str]:
@@ -180,22 +173,15 @@ def parallel_rules(found: ContainerInfo) -> tuple[Rules, str]:
 class Iteration:
     """What an Iterator does after outcomes of the contained state: the next item comes, or it ends with an outcome.
 
-    `label` is the userdata that holds the item, `mapped` its `final_outcome_map`.
+    `label` is the userdata that holds the item; `interrupted`: what it ends with when preempted in an item, not always
+    one of its own outcomes, and after which of its state's.
     """
 
     items: list[Any]
     label: str
-    loops: frozenset[str]
     final: dict[str, str]
     exhausted: str
-    mapped: dict[str, str]
-
-    def interrupted(self) -> list[tuple[str, list[str]]]:
-        """Return what it ends with when preempted in an item, not always one of its own, after which of its state's."""
-        result: dict[str, list[str]] = {}
-        for outcome in sorted(self.loops):
-            result.setdefault(self.mapped.get(outcome, outcome), []).append(outcome)
-        return list(result.items())
+    interrupted: dict[str, list[str]]
 
 
 def iteration_of(found: ContainerInfo) -> Iteration:
@@ -204,22 +190,24 @@ def iteration_of(found: ContainerInfo) -> Iteration:
     if len(found.added) != 1:
         raise RefusedError("it needs exactly one contained state")
     (added,) = found.added.values()
-    try:
-        items = plain_literal(found.items or Value(value=[]))
-    except ValueError as error:
-        raise RefusedError(f"its items are `{error}`, known only at run time") from None
-    if not isinstance(items, list):
+    given = found.items or Value(value=[])
+    if given.opaque is not None:
+        raise RefusedError(f"its items are `{given.opaque}`, known only at run time")
+    if not isinstance(items := given.value, list):
         raise RefusedError("its items aren't a list")
     loop, leave, mapped = settings["loop_outcomes"], settings["break_outcomes"], settings["final_outcome_map"]
     exhausted = settings["exhausted_outcome"]
     known = added.state.outcomes
     # upstream's rule: with a break list, the rest loops; without, whatever isn't in the loop list breaks
-    loops = frozenset(o for o in known if (o not in leave if leave else o in loop))
+    loops = sorted({o for o in known if (o not in leave if leave else o in loop)})
     final = {o: mapped.get(o, o) for o in known if o not in loops}
     for target in (*final.values(), mapped.get(exhausted, exhausted)):
         if target not in (found.outcomes or ()):
             raise RefusedError(f"it would end with {target!r}, which is none of its outcomes")
-    return Iteration(items, settings["items_label"], loops, final, mapped.get(exhausted, exhausted), dict(mapped))
+    interrupted: dict[str, list[str]] = {}
+    for outcome in loops:
+        interrupted.setdefault(mapped.get(outcome, outcome), []).append(outcome)
+    return Iteration(items, settings["items_label"], final, mapped.get(exhausted, exhausted), interrupted)
 
 
 def check(found: ContainerInfo) -> None:

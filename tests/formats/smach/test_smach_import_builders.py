@@ -156,6 +156,37 @@ def build():
 """
 READ_AGAIN = LOGGED.replace("'A', Step()", "'A' if os.path.isdir(FOLDER) else 'B', Step()")
 
+CHATTY = """
+import datetime
+import os
+import rospy
+
+
+def build(robot):
+    day = datetime.date.today()
+    folder = os.path.join(os.path.expanduser('~'), str(day.year))
+    for number in range(8):
+        if not robot.has_arm(number):
+            rospy.logwarn('no arm {}'.format(number))
+            print(number)
+        if day.day < number:
+            folder += '0'
+    if not os.path.isdir(folder):
+        os.makedirs(folder)
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        smach.StateMachine.add('A', Step(folder))
+    return sm
+"""
+LABELLED_BY_DAY = CHATTY.replace("'A', Step", "'A' + folder[-1:], Step")
+ACTING = CHATTY.replace("print(number)", "Step.label = 'B'").replace("'A', Step", "getattr(Step, 'label', 'A'), Step")
+OWN_LOG = """
+class rospy:
+    def logwarn(text):
+        Step.label = 'B'
+"""
+OWN_LOG += ACTING.replace("import rospy\n", "").replace("            Step.label = 'B'\n", "").replace("(8)", "(2)")
+
 NESTED = """
 class Tidy(smach.StateMachine):
     class Door(smach.StateMachine):
@@ -206,6 +237,10 @@ if __name__ == '__main__':
         (OF_TYPE, ["partial"]),
         (LOGGED, ["exact"]),
         (READ_AGAIN, ["partial"]),
+        (CHATTY, ["exact"]),
+        (LABELLED_BY_DAY, ["partial"]),
+        (ACTING, ["partial"]),
+        (OWN_LOG, ["partial"]),
         (NESTED, ["exact", "exact"]),
         (MAPPED, ["exact"]),
         (MAPPED_UNKNOWN, ["failed"]),
@@ -214,7 +249,8 @@ if __name__ == '__main__':
         *("a state with a machine", "filled by a method", "a kind of container", "a set", "labels of a set"),
         *("unpacked", "one question often", "more questions than are tried after a first try that raises"),
         *("checked by each state", "of a type"),
-        *("what is written", "what is written and looked for"),
+        *("what is written", "what is written and looked for", "what is only told", "what is told in a label"),
+        *("what is told and done", "what a log of its own does"),
         *("a class in a machine that doesn't use it", "what a stand-in makes of what is known"),
         "what is made of a stand-in's items",
     ],
