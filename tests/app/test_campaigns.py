@@ -381,12 +381,12 @@ def test_factors_that_do_not_fit_are_refused(project, change, words):
         read_campaign(project / "campaigns/who.yaml")
 
 
-def test_a_variant_is_not_tried_any_more_when_its_interval_is_narrow(project, tmp_path):
+def test_a_variant_is_not_tried_any_more_when_its_interval_is_narrow(project, tmp_path, monkeypatch):
     file = project / "campaigns/who.yaml"
     file.write_text(CAMPAIGN.replace("count: 2}", "count: 100}") + "stop: {width: 0.5, least: 6}\n")
     campaign, ended = read_campaign(file), []
     trials = Trials(campaign, tmp_path / "j.sqlite", ended.append)
-    trials._one = lambda variant, seed, process: row(variant, seed, variant == "tree")
+    monkeypatch.setattr(trials, "once", lambda variant, seed, process: row(variant, seed, variant == "tree"))
     trials.fresh = True
     trials.run(campaign.trials())
     tried = Counter(each["variant"] for each in ended)
