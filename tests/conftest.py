@@ -1,5 +1,6 @@
 """What all tests need: that Ctrl-C reaches the programs that they start, and DDS domains that nobody shares."""
 
+import gc
 import os
 import signal
 from collections.abc import Iterator
@@ -18,12 +19,19 @@ _shifts = count()
 
 
 def pytest_configure() -> None:
+    gc.disable()  # until all tests are collected: of what is made until then, nothing goes
     # A shell starts what it puts into the background with SIGINT ignored, `nohup` with SIGHUP ignored, and children
     # inherit that. Those of a process with a handler begin with the default again.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
         signal.signal(signal.SIGHUP, lambda *_: None)
+
+
+def pytest_collection_finish() -> None:
+    """Have each collection while tests run leave out the half a million objects that the tests themselves are."""
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(autouse=True)
