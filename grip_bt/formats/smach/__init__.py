@@ -135,7 +135,7 @@ def import_file(
     if recorder is None:
         found = preview(file)
     else:
-        found = recorded_containers(file, recorder.record(file, root and root.resolve(), given))
+        found = recorded_containers(source, recorder.record(file, root and root.resolve(), given))
     return make_tasks(result, found, Meanings(success))
 
 

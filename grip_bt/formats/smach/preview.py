@@ -14,7 +14,6 @@ from typing import Any
 from unittest import mock
 
 from grip_bt import smach_compat
-from grip_bt.base.errors import DocumentError
 from grip_bt.nodes.smach_construction import Construction
 from grip_bt.nodes.smach_source import read_source
 from grip_bt.smach_compat import Container, State
@@ -39,12 +38,8 @@ class Place:
     around: str = ""
 
 
-def places_of(file: Path) -> list[Place]:
-    """Return where a file makes containers; none where it isn't Python."""
-    try:
-        tree = read_source(file).tree
-    except DocumentError:
-        return []
+def places_of(tree: ast.Module) -> list[Place]:
+    """Return where a file makes containers."""
     found, left_open = [], never_filled(tree)
     for around in tree.body:
         name = getattr(around, "name", "") if isinstance(around, (ast.ClassDef, ast.FunctionDef)) else ""

@@ -15,7 +15,7 @@ from typing import Any
 from zlib import crc32
 
 from grip_bt.base.interpreter import python_command
-from grip_bt.nodes.smach_source import read_source
+from grip_bt.nodes.smach_source import Source
 
 from .found import Built, ContainerInfo, Job, Record, Run, Span, Told, Way
 from .preview import Place, never_filled, places_of
@@ -76,8 +76,9 @@ def _end(process: subprocess.Popen[str]) -> int:
     return process.wait()
 
 
-def recorded_containers(file: Path, records: tuple[Record, Record]) -> list[ContainerInfo]:
+def recorded_containers(source: Source, records: tuple[Record, Record]) -> list[ContainerInfo]:
     """Return all containers of a file: those that were built, and those of the text that nothing has built."""
+    file = source.path
     chosen, second = _chosen(records[0]), _by_key(records[1])
     found, shapes = [], set[str]()
     for key, seen in sorted(chosen.items(), key=lambda item: _rank(item[1])):
@@ -87,12 +88,12 @@ def recorded_containers(file: Path, records: tuple[Record, Record]) -> list[Cont
         if shape not in shapes:  # what is built again, in a loop or of a class, is no second machine
             shapes.add(shape)
             found.append(_container(file, seen, again, records[0]))
-    kinds = never_filled(read_source(file).tree)
+    kinds = never_filled(source.tree)
     found = [c for c in found if c.added or c.cls == c.kind or c.cls not in kinds]
     parts = {id(c): {_identity(each) for each in c.within()[1:]} for c in found}
     kept = [c for c in found if not any(_identity(c) in parts[id(other)] for other in found if other is not c)]
     every = [c for each in kept for c in each.within()]
-    return sorted([*every, *_not_built(file, every, records[0])], key=lambda c: c.span.line)
+    return sorted([*every, *_not_built(source, every, records[0])], key=lambda c: c.span.line)
 
 
 def _identity(found: ContainerInfo) -> object:
@@ -192,16 +193,16 @@ def _span(told: Told) -> Span | None:
     return Span(Path(told.file), told.line) if told.file else None
 
 
-def _not_built(file: Path, found: list[ContainerInfo], record: Record) -> Iterator[ContainerInfo]:
+def _not_built(source: Source, found: list[ContainerInfo], record: Record) -> Iterator[ContainerInfo]:
     wanted = next((run.wanted for run in record.runs if run.wanted), "")
-    line = read_source(file).text.partition(f"{wanted}(")[0].count("\n") + 1
+    line = source.text.partition(f"{wanted}(")[0].count("\n") + 1
     named = [Place("", line, line, wanted, "__main__")] if wanted and not found else []
-    for place in places_of(file) or named:
+    for place in places_of(source.tree) or named:
         lines = range(place.line, place.end_line + 1)
-        here = (c for c in found if c.span.file == file and c.span.line in lines)
+        here = (c for c in found if c.span.file == source.path and c.span.line in lines)
         if any(c.cls == place.cls for c in found) if place.cls else any(here):
             continue
-        made = ContainerInfo(kind=place.kind, cls=place.cls or place.kind, span=Span(file, place.line), added={})
+        made = ContainerInfo(kind=place.kind, cls=place.cls or place.kind, span=Span(source.path, place.line), added={})
         made.problem("failed", _why(place, record))
         yield made
 
