@@ -34,6 +34,10 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
+def pytest_unconfigure() -> None:
+    gc.unfreeze()  # libraries that count what is left when the process ends would find all of it
+
+
 @pytest.fixture(autouse=True)
 def own_signals() -> Iterator[None]:
     """Take back the handlers of commands that are run in this process: with theirs, nothing would end it any more."""
