@@ -285,8 +285,11 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
             found = parameter(name, _ABSENT)
             return stand_in(f"ROS parameter {name}", wanted=False) if stands_in(found) else found is not _ABSENT
 
-        shut = lambda: stand_in("rospy.is_shutdown()")  # noqa: E731
-        _give(module, get_param=parameter, has_param=there, is_shutdown=shut, myargv=lambda *given, **named: sys.argv)
+        def is_shutdown() -> Any:
+            return stand_in("rospy.is_shutdown()")
+
+        _give(module, get_param=parameter, has_param=there, is_shutdown=is_shutdown)
+        _give(module, myargv=lambda *given, **named: sys.argv)
 
     def folder(name: Any, *rest: Any) -> Any:
         found = None if stands_in(name) else workspace.packages.get(name)
@@ -304,7 +307,9 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         _packages(workspace, module.RosPack)
         module.RosPack.get_path = lambda self, name: folder(name)
 
-    share = lambda module: setattr(module, "get_package_share_directory", folder)  # noqa: E731
+    def share(module: ModuleType) -> None:
+        module.get_package_share_directory = folder  # type: ignore[attr-defined]
+
     finder.made |= {"rospy": rospy, "rosparam": _rosparam, "smach_ros": smach_ros, "rospkg": rospkg}
     finder.made |= {"ament_index_python": share, "ament_index_python.packages": share}
     finder.made["roslib.packages"] = lambda module: setattr(module, "get_pkg_dir", folder)

@@ -153,8 +153,10 @@ class TaskMaker:
                 when = {c: w[0] if len(w) == 1 else w for c, w in by_child.items()}
                 rules.append(ParallelRule(when=when, then=labels[outcome]))
         rules.append(ParallelRule(then=labels[default]))
-        said: Any = {"children": children, "rules": rules, "outcomes": own, "x": source_of(found)}
-        return Parallel(kind="parallel", cancel="join", **said), ends
+        node = Parallel(
+            kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=source_of(found)
+        )
+        return node, ends
 
     def child(self, found: ContainerInfo, added: Child, keys: Keys, raw: bool = False) -> tuple[AnyNode, Ends]:
         """Return one child as a node."""

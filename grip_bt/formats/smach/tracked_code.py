@@ -167,8 +167,14 @@ def _is(left: Any, right: Any) -> bool:
 
 
 def _idle(tested: Any, turned: bool, called: Callable[[], tuple[Any, ...]]) -> bool:
-    free = lambda f: stands_in(f) or f in (print, os.mkdir, os.makedirs) or f.__module__ == "logging"  # noqa: E731
-    return bool(tested) != turned if not stands_in(tested) or not all(map(free, called())) else False
+    """Return whether an `if` goes in that guards only calls of some functions; it needn't if these do nothing here."""
+    return not (stands_in(tested) and all(map(_does_nothing, called()))) and bool(tested) != turned
+
+
+def _does_nothing(function: Any) -> bool:
+    if stands_in(function):  # to compare it would be a question
+        return True
+    return function in (print, os.mkdir, os.makedirs) or getattr(function, "__module__", "") == "logging"
 
 
 def _maybe(tested: Any, text: Any, more: str) -> Any:
