@@ -11,7 +11,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 # Where a shell forbids it to keep compiled modules, each of the suite's many processes would compile all of them again.
 unexport PYTHONDONTWRITEBYTECODE PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH ROS_DISTRO ROS_VERSION RMW_IMPLEMENTATION
 
-.PHONY: help demo test quick lint types contracts python-tests python-told ros-tests frontend e2e fuzz soak docs gui lock packaging clean
+.PHONY: help demo test quick lint types contracts python-tests frontend e2e fuzz soak docs gui lock packaging clean
 
 help: ## show this list
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
@@ -32,9 +32,7 @@ demo: $(STAMP) ## run the main job: a dexterous hand clears a table, in simulati
 
 test: $(STAMP) ## everything: lint, types, contracts, Python, frontend, browser
 	@$(MAKE) --no-print-directory -j 2 --output-sync=target lint types contracts frontend
-	@echo "Browser tests run beside the Python tests; what they say comes when they have ended"
-	@$(MAKE) --no-print-directory -j 2 --output-sync=target python-told e2e
-	@$(MAKE) --no-print-directory ros-tests
+	@$(MAKE) --no-print-directory python-tests e2e
 	@echo "make test: all of the above passed"
 
 quick: $(STAMP) ## what a developer runs all day: no ROS, no simulator, nothing slow
@@ -49,15 +47,9 @@ types: $(STAMP) ## static types, strict in every room
 contracts: $(STAMP) ## who may import whom
 	@$(BIN)/lint-imports --no-cache | tail -n 3; exit $${PIPESTATUS[0]}
 
-python-tests: $(STAMP) ## Python tests without ROS and simulator
-	@$(NODE) bash tools/run_tests.sh "Python tests" -n 2 --dist loadgroup -m "not ros and not sim and not e2e" tests
-
-# The same, whose progress is shown at once also where output is kept until a target has ended.
-python-told: $(STAMP)
-	@$(MAKE) --no-print-directory --output-sync=none python-tests
-
 # More workers than two cores: those of ROS and the simulator wait for processes, discovery and paced motions.
-ros-tests: $(STAMP) ## tests with ROS and the simulator
+python-tests: $(STAMP) ## all Python tests
+	@$(NODE) bash tools/run_tests.sh "Python tests" -n 2 --dist loadgroup -m "not ros and not sim and not e2e" tests
 	@bash tools/run_tests.sh "ROS and simulator tests" -n 4 --dist loadfile --no-loadscope-reorder -m "(ros or sim) and not e2e" tests
 
 frontend: $(STAMP) ## unit tests, types and build of the page
