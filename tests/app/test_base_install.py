@@ -9,6 +9,7 @@ from pathlib import Path
 
 import httpx
 import pytest
+from patience import PATIENCE
 
 from grip_bt.base.errors import EXTRAS
 
@@ -94,7 +95,7 @@ def test_the_page_edits_a_task_without_extras(bare):
     try:
         address = next(found for line in server.stdout if (found := re.search(r"http://\S+", line))).group()
         origin = address.partition("/?")[0]
-        with httpx.Client(base_url=origin, headers={"Origin": origin}, follow_redirects=True) as page:
+        with httpx.Client(base_url=origin, headers={"Origin": origin}, follow_redirects=True, timeout=PATIENCE) as page:
             assert "<html" in page.get(address).text
             for question in ("/api/catalog", f"/api/document/forms?path={path}", "/api/setup/names", "/api/project"):
                 assert page.get(question).is_success, page.get(question).text
