@@ -69,8 +69,8 @@ Reach = Callable[[Mapping[str, Sequence[float]], JointState, str], JointState]
 SpansOf = Callable[[Sequence[JointState]], Sequence[Span]]
 OPENING_TIME = 0.8
 CLOSING_TIME = 1.2
-THERE, THERE_TIME = 1e-3, 0.05
-"""A hand whose joints are all so near to where they go [rad or m] has no way to open; it may take so long [s]."""
+GOAL_TOLERANCE, AT_GOAL_TIME = 1e-3, 0.05
+"""A hand all of whose joints are as near to their goal as this [rad or m] opens in this time [s]."""
 STEPS = 33
 """From open to closed."""
 TOUCH = 0.1
@@ -135,8 +135,8 @@ class HandCommander:
 
     def open(self, posture: JointState | str = "open") -> Operation[JointState]:
         goal, here = self._posture(posture), self._port.state()
-        there = np.abs(here.ordered(goal.names) - goal.position).max(initial=0.0) < THERE
-        return self.move(goal, seconds=THERE_TIME if there else OPENING_TIME)
+        at_goal = np.abs(here.ordered(goal.names) - goal.position).max(initial=0.0) < GOAL_TOLERANCE
+        return self.move(goal, seconds=AT_GOAL_TIME if at_goal else OPENING_TIME)
 
     def close(
         self, posture: JointState | str = "closed", torque_limit: float | None = None, force: float | None = None

@@ -10,7 +10,7 @@ from grip_bt.base.failures import NameTakenError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.fake import FakeExecutor, FakeHand
-from grip_bt.commanders.hand import OPENING_TIME, THERE_TIME, HandCommander, Synergies
+from grip_bt.commanders.hand import AT_GOAL_TIME, OPENING_TIME, HandCommander, Synergies
 from grip_bt.commanders.taught import TaughtStates
 
 FINGERS = {"index": ("joint_0.0", "joint_1.0"), "thumb": ("joint_12.0", "joint_13.0")}
@@ -52,7 +52,7 @@ def test_opening_takes_its_time_but_not_where_the_hand_is_open_already():
     hand = HandCommander("right", FakeHand(STATES["closed"], executor=lambda _: moved), STATES, fingers=FINGERS)
     hand.open().result()
     hand.open().result()
-    assert [way.duration for way in moved.executed] == [OPENING_TIME, THERE_TIME]
+    assert [way.duration for way in moved.executed] == [OPENING_TIME, AT_GOAL_TIME]
     hand.move(JointState(FINGERS["thumb"][:1], [0.4])).result()  # one joint is elsewhere
     hand.open().result()
     assert moved.executed[-1].duration == OPENING_TIME

@@ -135,7 +135,7 @@ class RobotDescription:
 
     @property
     def at_rest(self) -> dict[str, float]:
-        """Where joints are unless told otherwise [rad or m]: `rest`, over any group's state `home`, over `open`, ..."""
+        """Where joints begin [rad or m]: by `rest`, else any group's `home`, else the next of `RESTING`."""
         positions: dict[str, float] = {}
         for name in RESTING:
             for states in self.named_states.values():
