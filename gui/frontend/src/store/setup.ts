@@ -48,12 +48,16 @@ export function isDirty(): boolean {
   return view !== null && view.text !== saved;
 }
 
-/** Open a file; what isn't saved of another one is asked about. */
+/** Grows with every file that is asked for; the answer about an older one is left out. */
+let asked = 0;
+
+/** Open a file; what isn't saved of another one is asked about, and of this one is kept. */
 export async function openSetup(path: string): Promise<void> {
   await changes;
   await saving; // what is being saved needn't be asked about
   const { view } = useSetup.getState();
-  if (view !== null && isDirty() && view.path !== path) {
+  if (view !== null && isDirty()) {
+    if (view.path === path) return;
     const options = [
       { value: "save", label: `Save ${view.path}` },
       { value: "drop", label: "Discard the changes" },
@@ -61,8 +65,10 @@ export async function openSetup(path: string): Promise<void> {
     const answer = await askChoice({ title: `${view.path} isn't saved`, label: "Before opening another file", options });
     if (answer === null || (answer === "save" && !(await saveSetup()))) return;
   }
+  const [text, turn] = [texts, ++asked];
   try {
     const opened = await server.setupFile(path);
+    if (turn !== asked || text !== texts) return; // what was asked for or typed since counts
     texts++;
     useSetup.setState({ view: opened, saved: opened.text, known: opened.known, checking: false, probe: null, line: null });
   } catch (error) {
