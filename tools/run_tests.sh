@@ -9,7 +9,7 @@ shift
 cache=$(mktemp -d)
 trap 'rm -rf "$cache"' EXIT
 # After a worker's death xdist may wait for ever; an interrupt has pytest say what it has seen until then.
-timeout --signal=INT --kill-after=60 50m .venv/bin/pytest -q -o cache_dir="$cache" "$@"
+timeout --foreground --signal=INT --kill-after=60 50m .venv/bin/pytest -q -o cache_dir="$cache" "$@"
 status=$?
 failed=$cache/v/cache/lastfailed
 [ $status -ne 124 ] || echo "$name: ended after 50 minutes, with tests not run"
