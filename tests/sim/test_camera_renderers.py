@@ -7,6 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from ray_camera import RayCamera
@@ -253,6 +254,16 @@ def test_the_visuals_of_a_robot_are_read_with_their_colours():
     looks = visuals["panda_link6"]()
     assert {(255, 255, 255), (64, 64, 64)} <= {look.colour for look in looks}
     assert sum(len(look.triangles) for look in looks) > 1000
+
+
+@pytest.mark.parametrize("ending", ["stl", "ply", "obj", "glb"])
+def test_triangles_share_their_corners_though_a_file_has_them_for_each(tmp_path, ending):
+    box = trimesh.creation.box([0.1, 0.2, 0.3])
+    box.unmerge_vertices()
+    box.export(tmp_path / f"box.{ending}")
+    (look,) = read_mesh(tmp_path / f"box.{ending}")
+    assert (len(look.points), len(look.triangles)) == (8, 12)
+    assert np.ptp(look.points, axis=0) == pytest.approx([0.1, 0.2, 0.3])
 
 
 @pytest.mark.parametrize(

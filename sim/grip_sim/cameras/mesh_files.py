@@ -90,17 +90,19 @@ def joined(looks: Iterable[Look]) -> trimesh.Trimesh:
 
 
 def _look(mesh: trimesh.Trimesh) -> Look:
-    found = Look(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
+    colour, uv, texture = None, None, None
     match mesh.visual:
-        case TextureVisuals(material=material, uv=uv):
+        case TextureVisuals(material=material, uv=places):
             simple = material.to_simple() if hasattr(material, "to_simple") else material
-            if getattr(simple, "image", None) is not None and uv is not None and len(uv):
-                picture = np.ascontiguousarray(np.asarray(simple.image.convert("RGB")), np.uint8)
-                return replace(found, uv=np.asarray(uv, float)[mesh.faces], texture=picture)
-            return replace(found, colour=_colour(simple.diffuse)) if simple.diffuse is not None else found
+            if getattr(simple, "image", None) is not None and places is not None and len(places):
+                texture = np.ascontiguousarray(np.asarray(simple.image.convert("RGB")), np.uint8)
+                uv = np.asarray(places, float)[mesh.faces]
+            elif simple.diffuse is not None:
+                colour = _colour(simple.diffuse)
         case ColorVisuals(defined=True) as colours:
-            return replace(found, colour=_colour(np.median(colours.face_colors, axis=0)))
-    return found
+            colour = _colour(np.median(colours.face_colors, axis=0))
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)  # files may have each triangle's corners for itself
+    return Look(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32), colour, uv, texture)
 
 
 def _colour(rgba: NDArray[np.float64]) -> Colour:
