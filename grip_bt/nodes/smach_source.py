@@ -11,7 +11,7 @@ import sys
 import threading
 import tokenize
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from hashlib import sha256
@@ -174,6 +174,19 @@ def _module_folders(package: Path) -> list[Path]:
     return [*named, package / "src", package]
 
 
+def names_in(folder: Path) -> frozenset[str]:
+    """Return the names of what is in a folder; none where there is no such folder."""
+    try:
+        return frozenset(os.listdir(folder))
+    except OSError:
+        return frozenset()
+
+
+def code_of(file: Path) -> CodeType:
+    """Return the code of a file; see `read_source`."""
+    return compile(read_source(file).tree, str(file), "exec")
+
+
 class LegacyFinder(MetaPathFinder, Loader):
     """Finds the modules of folders, of any age of Python.
 
@@ -181,19 +194,17 @@ class LegacyFinder(MetaPathFinder, Loader):
         compiled: gives the code of a file; `listed`: the names that are in a folder.
     """
 
-    def __init__(
-        self,
-        folders: Iterable[Path],
-        compiled: Callable[[Path], CodeType] | None = None,
-        listed: Callable[[Path], frozenset[str]] | None = None,
-    ):
-        self.folders, self.compiled, self.listed = list(folders), compiled or code_of, listed or names_in
+    compiled, listed = staticmethod(code_of), staticmethod(names_in)
+
+    def __init__(self, folders: Iterable[Path]):
+        self.folders = list(folders)
 
     def find_spec(self, fullname: str, path: Sequence[str] | None = None, target: object = None) -> ModuleSpec | None:
         """Find a module or package; a folder that only has its name is one if it has modules and no manifest."""
         last = fullname.rpartition(".")[2]
         folders = self.folders if path is None else [*map(Path, path)]
-        folders = [folder for folder in folders if {last, f"{last}.py"} & self.listed(folder)]
+        names = {last, f"{last}.py"}
+        folders = [folder for folder in folders if not names.isdisjoint(self.listed(folder))]
         for folder in folders:
             package = "__init__.py" in self.listed(folder / last)
             if package or f"{last}.py" in self.listed(folder):
@@ -215,21 +226,8 @@ class LegacyFinder(MetaPathFinder, Loader):
             exec(self.compiled(Path(str(module.__file__))), module.__dict__)
 
 
-def names_in(folder: Path) -> frozenset[str]:
-    """Return the names of what is in a folder; none where there is no such folder."""
-    try:
-        return frozenset(os.listdir(folder))
-    except OSError:
-        return frozenset()
-
-
 def _has_modules(names: frozenset[str]) -> bool:
     return not names & {*_MANIFESTS, "setup.py"} and any(name.endswith(".py") for name in names)
-
-
-def code_of(file: Path) -> CodeType:
-    """Return the code of a file; see `read_source`."""
-    return compile(read_source(file).tree, str(file), "exec")
 
 
 def package_of(path: Path) -> tuple[Path, str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -124,14 +124,15 @@ def import_file(
         success: outcomes that mean success, whatever they are called.
     """
     file, result = file.resolve(), ImportedFile(file.resolve())
+    with suppress(OSError):  # which is told of below
+        if b"smach" not in file.read_bytes().lower():
+            return result  # nothing to see, so nothing is converted or run
     try:
         source = read_source(file)
     except DocumentError as error:
         result.error = str(error)
         return result
     result.converted = source.converted
-    if "smach" not in source.text.lower():
-        return result  # nothing to see, so nothing is run
     if recorder is None:
         found = preview(file)
     else:

@@ -146,6 +146,9 @@ class ContainerInfo(StateInfo):
         return [self, *(each for one in inner for each in one.within())]
 
 
+Child.model_rebuild()  # here, and not in each process that makes one
+
+
 class Job(BaseModel):
     """A file to record.
 

@@ -9,8 +9,8 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
+from queue import SimpleQueue
 from signal import Signals
-from threading import Lock
 from typing import Any
 from zlib import crc32
 
@@ -26,20 +26,23 @@ _MOST_REASONS = 4
 
 
 class Recorder:
-    """Two recording processes, whose hashes differ; `with Recorder() as recorder` ends them. Threads may share it."""
+    """Recording processes of two kinds, whose hashes differ; `with` ends them. Threads may share it."""
 
     def __enter__(self) -> Recorder:
-        self._processes, self._locks = [self._start(number) for number in (0, 1)], (Lock(), Lock())
+        self._free = (SimpleQueue[Any](), SimpleQueue[Any]())
+        for free in self._free * 2:  # one goes on while what the other runs only waits; they start when they are wanted
+            free.put(None)
         return self
 
     def __exit__(self, *given: object) -> None:
-        for process in self._processes:
-            _end(process)
+        for free in self._free * 2:
+            if process := free.get():
+                _end(process)
 
     @staticmethod
-    def _start(number: int) -> subprocess.Popen[str]:
+    def _start(kind: int) -> subprocess.Popen[str]:
         path = os.pathsep.join(filter(None, sys.path))
-        environment = os.environ | {"PYTHONPATH": path, "PYTHONHASHSEED": str(number + 1), "OPENBLAS_NUM_THREADS": "1"}
+        environment = os.environ | {"PYTHONPATH": path, "PYTHONHASHSEED": str(kind + 1), "OPENBLAS_NUM_THREADS": "1"}
         command = python_command("-c", f"from {__package__}.recorder import main; main()")
         pipe = subprocess.PIPE
         return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
@@ -52,18 +55,19 @@ class Recorder:
         job.builders = sorted({seen[0][0].builder for seen in _chosen(first).values() if not _is_open(seen)})
         return first, self._asked(1 - turn, job) if job.builders else Record()
 
-    def _asked(self, number: int, job: Job) -> Record:
-        with self._locks[number]:
+    def _asked(self, kind: int, job: Job) -> Record:
+        process = self._free[kind].get()
+        try:
             for _ in range(2):  # what has killed it may be over
-                process: Any = self._processes[number]
-                if process.poll() is not None:
-                    process = self._processes[number] = self._start(number)
+                if process is None or process.poll() is not None:
+                    process = self._start(kind)
                 with suppress(BrokenPipeError):  # what has ended it is told below
-                    process.stdin.write(job.model_dump_json() + "\n")
-                    process.stdin.flush()
+                    print(job.model_dump_json(), file=process.stdin, flush=True)
                 if line := process.stdout.readline():
                     return Record.model_validate_json(line)
                 status = _end(process)
+        finally:
+            self._free[kind].put(process)
         how = f"was killed by {Signals(-status).name}" if status < 0 else f"ended with status {status}"
         advice = "perhaps for want of memory; import the file alone, or without --execute, which only reads it"
         return Record(error=f"the process that runs its construction {how}, {advice}")

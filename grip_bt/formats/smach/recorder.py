@@ -14,6 +14,7 @@ import random
 import re
 import resource
 import sys
+import traceback
 import unittest
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
@@ -28,11 +29,12 @@ from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_construction import CONTAINERS, Construction
 from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, names_in, read_source, run_as, workspace_of
 from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, unwrapped
+from grip_bt.smach_compat.smach_ros._connection import names_used
 
 from . import tracked_code
 from .facts import facts_of
 from .found import Built, Job, Record, Run, Told
-from .sandbox import BUILDER_PATIENCE, PATIENCE, forget, in_child, load, seconds_used
+from .sandbox import BUILDER_PATIENCE, PATIENCE, forget, in_child, load
 from .surroundings import guard, ros_stand_ins, surround
 
 MOST_ANSWERS, MOST_IMPORTS, FEW_ANSWERS, MOST_FRUITLESS = 100, 6, 6, 16
@@ -165,11 +167,11 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
     todo: list[_Way] = [(None, 0, [])]
     idle, runs = list[_Way](), list[Run]()
     shapes, furthest, fruit, built, dead = defaultdict[str, set[str]](set), dict[str, int](), 0, False, 0
-    begun, seen = seconds_used(), set[tuple[str, int]]()
+    begun, seen = os.times(), set[tuple[str, int]]()
     while todo or idle:
         fruitless = not built and (not todo or len(runs) - fruit > MOST_FRUITLESS)
         many = len(runs) + len(todo) + len(idle) > most and len(runs) >= FEW_ANSWERS
-        late = seconds_used() - begun > PATIENCE / 3 or len(runs) >= most or dead > 1
+        late = sum(os.times()[:4]) - sum(begun[:4]) > PATIENCE / 3 or len(runs) >= most or dead > 1
         if fruitless or late or (many and built):
             for run in runs:
                 run.unfinished = True
@@ -283,25 +285,21 @@ class FileRecorder:
 
     def _built(self, builder: str, call: Callable[[], Any], given: list[bool]) -> Run:
         def work() -> Run:
-            self._missing, self._calls = list[str](), list[str]()
+            self._missing, self._calls = dict[str, None](), list[str]()
             asking = Asking(given, self.job)
             recording = Recording(asking)
             run, result = self._run(builder, asking, recording, call)
-            run.calls, run.missing = self._calls, self._missing
+            run.calls, run.missing = self._calls, list(self._missing)
             names = vars(sys.modules[module_name(self.file)])
-            run.machines = list(
-                recording.machines(str(self.file), None if recording.caught is not None else result, names)
-            )
-            if run.error:  # what it would have added isn't known
-                run.machines = []
-            elif run.unfinished and not run.machines:
+            returned = None if recording.caught is not None else result
+            if not run.error:  # else it isn't known what it would have added
+                run.machines = list(recording.machines(str(self.file), returned, names))
+            if run.unfinished and not (run.error or run.machines):
                 run.error = "it asks without end what is known only in a run"
             run.wanted = self._wanted() if run.error and builder == "__main__" else ""
             return run
 
-        def failed(words: str) -> Run:  # what it would have made isn't known
-            return Run(builder=builder, error=words, unfinished=True)
-
+        failed = partial(Run, builder=builder, unfinished=True)  # what it would have made isn't known
         return Run.model_validate_json(in_child(work, failed, BUILDER_PATIENCE))
 
     def _builders(self, module: ModuleType) -> Iterator[tuple[str, Callable[[], Any]]]:
@@ -348,8 +346,7 @@ class FileRecorder:
                 bound.arguments[name] = given[name]
             elif parameter.default is parameter.empty:
                 bound.arguments[name] = _argument(parameter)
-                if name not in self._missing:
-                    self._missing.append(name)
+                self._missing[name] = None
         said = (f"{n}={given[n]!r}" if n in given else f"{n}=argument({n!r})" for n in bound.arguments)
         self._calls.append(", ".join(said))
         return function(*bound.args, **bound.kwargs)
@@ -369,11 +366,10 @@ def _names(code: CodeType) -> set[str]:
 
 
 def _where(error: BaseException) -> str:
-    trace, place = error.__traceback__, ""
-    while trace is not None:
-        if tracked_code.is_tracked(trace.tb_frame):
-            place = f" ({os.path.basename(trace.tb_frame.f_code.co_filename)}:{trace.tb_lineno})"
-        trace = trace.tb_next
+    place = ""
+    for frame, line in traceback.walk_tb(error.__traceback__):
+        if tracked_code.is_tracked(frame):
+            place = f" ({os.path.basename(frame.f_code.co_filename)}:{line})"
     return place
 
 
@@ -385,8 +381,10 @@ def _is_of(path: str, workspace: Workspace) -> bool:
 class _TrackedFinder(LegacyFinder):
     """Finds what is in the workspace, wherever the path leads there, and compiles it so that it is seen."""
 
+    compiled, listed = staticmethod(_code), staticmethod(_listed)
+
     def __init__(self, workspace: Workspace, finder: StandInFinder):
-        super().__init__(workspace.folders, _code, _listed)
+        super().__init__(workspace.folders)
         self.workspace, self.finder = workspace, finder
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
@@ -422,7 +420,7 @@ def record(job: Job) -> Record:
 
     def once(given: list[bool]) -> Run:
         job.answers = given
-        text = in_child(lambda: FileRecorder(job, workspace).recorded(), lambda words: Record(error=words), PATIENCE)
+        text = in_child(lambda: FileRecorder(job, workspace).recorded(), Record, PATIENCE)
         told = Record.model_validate_json(text)
         whole.error = whole.error or told.error
         whole.read = told.read or whole.read
@@ -432,7 +430,10 @@ def record(job: Job) -> Record:
             run.answers = first.answers + run.answers
         for file in told.compiled:  # here, once for all that come
             with suppress(Exception):  # what its child has told of already
-                _code(file)
+                if ("*",) in _code(file).co_consts:
+                    names_used(_code(file))
+                for folder in (file.parent, file.with_suffix("")):
+                    _listed(folder)
         load(told.libraries)
         whole.runs += told.runs
         return first

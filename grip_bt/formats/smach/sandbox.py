@@ -21,8 +21,8 @@ _LOOK, _IDLE = 0.25, 12
 """How often it is looked whether a child only waits [s], and how many times are too many: nothing else runs here."""
 
 
-def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel], patience: int) -> str:
-    """Return, as JSON, what is told by a child of this process; `otherwise` says what a failure is."""
+def in_child(work: Callable[[], BaseModel], otherwise: Callable[..., BaseModel], patience: int) -> str:
+    """Return, as JSON, what is told by a child of this process; `otherwise` says what its `error` is."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
@@ -32,7 +32,7 @@ def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel
         try:
             text = work().model_dump_json(exclude_defaults=True)
         except BaseException as error:  # noqa: BLE001 - legacy code may do anything, sys.exit among it
-            text = otherwise(f"{type(error).__name__}: {error}").model_dump_json()
+            text = otherwise(error=f"{type(error).__name__}: {error}").model_dump_json()
         with os.fdopen(writer, "wb") as pipe:
             pipe.write(text.encode(errors="replace"))
         os._exit(0)
@@ -54,7 +54,7 @@ def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel
             break
     os.close(reader)
     os.waitpid(child, 0)
-    return b"".join(parts).decode() or otherwise(why).model_dump_json()
+    return b"".join(parts).decode() or otherwise(error=why).model_dump_json()
 
 
 def _asleep(process: int) -> str:
@@ -83,9 +83,3 @@ def forget(names: set[str]) -> None:
     for name in _loaded:
         if {(top := name.partition(".")[0]), f"{top}.py"} & names:
             sys.modules.pop(name, None)
-
-
-def seconds_used() -> float:
-    """Return the time of the processor [s] that this process and its children took."""
-    every = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(used.ru_utime + used.ru_stime for used in every)

@@ -139,9 +139,8 @@ def _opened(path: Any, mode: Any = "r", *rest: Any, **named: Any) -> Any:
     if not stands_in(mode) and set("wax+") & {*mode}:
         _change(path)
         return io.BytesIO() if "b" in mode else io.StringIO()
-    return (
-        lifted(open, name_of(path), path, mode, *rest, **named) if stands_in(path) else open(path, mode, *rest, **named)
-    )
+    read = partial(lifted, open, name_of(path)) if stands_in(path) else open
+    return read(path, mode, *rest, **named)
 
 
 def _by_chance(function: Callable[..., Any], name: str, *arguments: Any, **named: Any) -> Any:
@@ -285,11 +284,8 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
             found = parameter(name, _ABSENT)
             return stand_in(f"ROS parameter {name}", wanted=False) if stands_in(found) else found is not _ABSENT
 
-        def is_shutdown() -> Any:
-            return stand_in("rospy.is_shutdown()")
-
-        _give(module, get_param=parameter, has_param=there, is_shutdown=is_shutdown)
-        _give(module, myargv=lambda *given, **named: sys.argv)
+        _give(module, get_param=parameter, has_param=there, myargv=lambda *given, **named: sys.argv)
+        _give(module, is_shutdown=lambda: stand_in("rospy.is_shutdown()"))
 
     def folder(name: Any, *rest: Any) -> Any:
         found = None if stands_in(name) else workspace.packages.get(name)
@@ -307,9 +303,7 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         _packages(workspace, module.RosPack)
         module.RosPack.get_path = lambda self, name: folder(name)
 
-    def share(module: ModuleType) -> None:
-        module.get_package_share_directory = folder  # type: ignore[attr-defined]
-
     finder.made |= {"rospy": rospy, "rosparam": _rosparam, "smach_ros": smach_ros, "rospkg": rospkg}
-    finder.made |= {"ament_index_python": share, "ament_index_python.packages": share}
+    share = ("ament_index_python", "ament_index_python.packages")
+    finder.made |= dict.fromkeys(share, lambda module: setattr(module, "get_package_share_directory", folder))
     finder.made["roslib.packages"] = lambda module: setattr(module, "get_pkg_dir", folder)

@@ -393,14 +393,12 @@ def _takes_stand_ins(function: Any, owner: object) -> bool:
     if _is_stand_in(function) or isinstance(owner, _CONTAINERS) or hasattr(function, "_stand_in_free"):
         return True
     plain = getattr(function, "__func__", function)
-    code = getattr(plain, "__code__", None)
-    if code is not None:
-        module = str(getattr(plain, "__module__", ""))
-        return code.co_filename in files or module.startswith(_KEEPING) or module in legacy_modules
-    if isinstance(function, type):
-        module = function.__module__
-        return issubclass(function, BaseException) or module.startswith(_KEEPING) or module in legacy_modules
-    return callable(function) and type(function).__module__ in legacy_modules
+    code, kind = getattr(plain, "__code__", None), isinstance(function, type)
+    if not (code or kind):
+        return callable(function) and type(function).__module__ in legacy_modules
+    module = str(getattr(plain, "__module__", ""))
+    sure = issubclass(function, BaseException) if kind else getattr(code, "co_filename", "") in files
+    return sure or module.startswith(_KEEPING) or module in legacy_modules
 
 
 legacy_modules: set[str] = {"__main__"}

@@ -13,7 +13,7 @@ import sys
 import threading
 from collections.abc import Callable
 from functools import partial
-from types import FrameType, ModuleType
+from types import CodeType, FrameType, ModuleType
 from typing import Any
 
 from grip_bt.smach_compat import _settings
@@ -137,13 +137,20 @@ def wanted_names(frame: FrameType | None) -> set[str]:
     """Return the names that the module which imports uses and nobody has given it: what a star import has to."""
     while frame is not None and (frame.f_code.co_name != "<module>" or frame.f_globals["__name__"] == __name__):
         frame = frame.f_back
-    todo, names = [] if frame is None else [frame.f_code], set[str]()
+    if frame is None:
+        return set()
+    return {name for name in names_used(frame.f_code) - {*vars(builtins), *frame.f_globals} if name[0] != "_"}
+
+
+@functools.lru_cache
+def names_used(code: CodeType) -> set[str]:
+    """Return the names of its module that a module's code, and what is defined in it, goes by."""
+    todo, names = [code], set[str]()
     while todo:
         code = todo.pop()
         names.update(i.argval for i in dis.get_instructions(code) if i.opname in ("LOAD_NAME", "LOAD_GLOBAL"))
-        todo += [each for each in code.co_consts if hasattr(each, "co_names")]
-    there = {*vars(builtins), *(frame.f_globals if frame is not None else ())}
-    return {name for name in names - there if name[0] != "_"}
+        todo += [each for each in code.co_consts if isinstance(each, CodeType)]
+    return names
 
 
 PROVIDED = Provided({name: partial(_Messages, name) for name in ("smach_msgs", "smach_msgs.msg")})

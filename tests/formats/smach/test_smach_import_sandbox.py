@@ -8,9 +8,10 @@ from types import SimpleNamespace
 
 from smach_runs import record
 
-from grip_bt.formats.smach import Recorder, import_file, sandbox
+from grip_bt.formats.smach import Recorder, import_file, import_files, sandbox
 from grip_bt.formats.smach.found import Run
 from grip_bt.formats.smach.recorder import _TrackedFinder
+from grip_bt.nodes import smach_source
 from grip_bt.nodes.smach_source import workspace_of
 from grip_bt.nodes.stand_ins import StandInFinder
 
@@ -68,8 +69,28 @@ def test_files_of_one_workspace_see_what_each_would_see_alone(tmp_path):
 
 def test_what_only_waits_is_ended_long_before_its_time_is_over(monkeypatch):
     monkeypatch.setattr(sandbox, "_LOOK", 0.02)
-    told = sandbox.in_child(threading.Event().wait, lambda words: Run(builder="b", error=words), 1000)
+    told = sandbox.in_child(threading.Event().wait, lambda error: Run(builder="b", error=error), 1000)
     assert Run.model_validate_json(told).error == "it waits for something"
+
+
+def test_what_names_no_smach_is_not_converted_from_python_2(tmp_path, monkeypatch):
+    def converter():
+        raise AssertionError("it was converted")
+
+    monkeypatch.setattr(smach_source, "_converter", converter)
+    (tmp_path / "driver.py").write_text("print 'moved'\n")
+    (driven,) = import_files([tmp_path / "driver.py"], tmp_path)
+    assert (driven.containers, driven.error) == ([], "")
+
+
+def test_a_file_is_recorded_while_what_others_run_waits(tmp_path):
+    """Of either kind there is a process that is free while another one is kept busy."""
+    (tmp_path / "mission.py").write_text("import smach\n\nsm = smach.StateMachine(outcomes=['done'])\n")
+    with Recorder() as recorder:
+        busy = [kind.get() for kind in recorder._free]
+        assert len(recorder.record(tmp_path / "mission.py", tmp_path)[0].runs) >= 1
+        for kind, process in zip(recorder._free, busy, strict=True):
+            kind.put(process)
 
 
 def test_of_packages_of_one_name_a_files_own_counts(tmp_path):
