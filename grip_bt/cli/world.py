@@ -31,7 +31,7 @@ here = partial(find_project, Path())
 
 
 def add_world(parser: argparse.ArgumentParser) -> None:
-    listing = partial(list_files, world_files, _about_world)
+    listing = partial(list_files, world_files, lambda file: read_world(str(file))[0].doc)
     checking = partial(check_files, world_files, _faults_of_world, "world")
     listed, show, check, new = add_actions(
         parser,
@@ -64,10 +64,6 @@ def list_files(files_of: Files, told: Callable[[Path], str], args: argparse.Name
 
     data = {name: str(file) for name, file in files.items()}
     tell(args.json, data, (line(name, file) for name, file in files.items()))
-
-
-def _about_world(file: Path) -> str:
-    return read_world(str(file))[0].doc
 
 
 def check_files(files_of: Files, faults: Faults, what: str, args: argparse.Namespace) -> int:

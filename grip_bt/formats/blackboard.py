@@ -18,7 +18,7 @@ from grip_bt.task.catalog import parse_type
 
 _SIMPLE = ("bool", "int", "float", "str")
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
-_UNWRITTEN = re.compile("[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_UNWRITTEN = re.compile("[\x00-\x1f\ud800-\udfff\ufffe\uffff]")
 """What isn't a character of XML, or comes back from an attribute as a blank."""
 _KEY = re.compile(r"\{([^{}]*)\}")
 _WRONG = re.compile(r"[^A-Za-z0-9_]+")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
+from operator import attrgetter
 from typing import Any
 
 from py_trees import composites, decorators
@@ -240,12 +241,8 @@ def shown_as(kind: type[Kind], node: Value = KindNode) -> type[KindNode]:
     base = getattr(decorators if kind.shown == "Decorator" else composites, kind.shown)
     attributes: dict[str, Value] = {"__doc__": kind.__doc__, "__module__": __name__}
     if "memory" in kind.model_fields:
-        attributes["memory"] = property(_memory, _set_memory)
+        attributes["memory"] = property(attrgetter("kind.memory"), _set_memory)
     return type(kind.__name__, (node, base), attributes)
-
-
-def _memory(node: KindNode) -> bool:
-    return bool(node.kind.memory)  # type: ignore[attr-defined]
 
 
 def _set_memory(node: KindNode, memory: bool) -> None:

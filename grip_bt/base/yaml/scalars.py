@@ -25,7 +25,9 @@ _LONGEST_NUMBER = 64
 _LARGEST_INTEGER = 2**63 - 1
 
 _PLAIN_START = re.compile(r"[A-Za-z0-9_/.+(]|[^\W\d_]")
-_UNPRINTABLE = re.compile("[^\t\n -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+STRANGE = "\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff\ufffe\uffff"
+"""For sets of regular expressions: beside control characters, what YAML forbids, or some take for a line's end."""
+_UNPRINTABLE = re.compile(f"[\x00-\x08\x0b-\x1f{STRANGE}]")
 
 
 def read_plain(text: str) -> object:

@@ -27,7 +27,7 @@ from yaml.events import (
 
 from grip_bt.base.errors import DocumentError
 
-from .scalars import read_plain
+from .scalars import STRANGE, read_plain
 
 MAX_DEPTH = 120
 """Levels of mappings and lists in a file; a container of a task takes two."""
@@ -37,7 +37,7 @@ _MAX_CHARACTERS = 1_250_000
 MAX_VALUES = 100_000
 """Scalars, mappings and lists in a file, keys included; 10,000 nodes with a parameter each take 80,000."""
 _BYTE_ORDER_MARK = "\ufeff"
-_UNREADABLE = re.compile("[^\t\n\r -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+_UNREADABLE = re.compile(f"[\x00-\x08\x0b\x0c\x0e-\x1f{STRANGE}]")
 """Characters that YAML forbids, and ends of lines that only some editors and parsers take for one."""
 
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 
-from .scalars import is_plain, quoted, write_scalar
+from .scalars import STRANGE, is_plain, quoted, write_scalar
 from .tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, entries_of
 
 WIDTH = 100
 _FOLDABLE = re.compile(r"[^\s#&*!|>'\"%@`?:,\[\]{}-]\S*( \S+)+")
-_LITERAL_LINE = re.compile("[ -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]*")
+_LITERAL_LINE = re.compile(f"[^\x00-\x1f{STRANGE}]*")
 
 _AlwaysBlock = Callable[[YamlValue], bool]
 

@@ -11,12 +11,12 @@ from ..document import CHILDREN, keys_of
 from ..kind_analysis import following
 from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine, children_of
 from ..parts import FREE_PREFIX
-from .editing import BaseCommand, Edit, kind_in_words, kind_of, path_in_words, slot, slot_of
+from .editing import Edit, PathCommand, kind_in_words, kind_of, path_in_words, slot, slot_of
 
 STANDARD = ("success", "failure")
 
 
-class ChangeKind(BaseCommand):
+class ChangeKind(PathCommand):
     """A container is of another kind; what both kinds have stays.
 
     To a state machine, the order of the children becomes edges. From one, edges to its outcomes become `exits`, edges
@@ -24,7 +24,6 @@ class ChangeKind(BaseCommand):
     """
 
     do: Literal["change_kind"] = "change_kind"
-    path: str
     kind: str
     fields: FrozenDict[str, object] = FrozenDict()
 
@@ -55,10 +54,8 @@ class ChangeKind(BaseCommand):
             edit.set(place, key, value)
 
 
-class _TakesCatalog(BaseCommand):
+class _TakesCatalog(PathCommand):
     """A command that needs a catalogue: `apply` takes what `grip_bt.compilers.restructure` makes of it."""
-
-    path: str
 
     def plan(self, edit: Edit) -> None:
         name = "extracted" if isinstance(self, Extract) else "expanded"

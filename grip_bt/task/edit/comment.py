@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from grip_bt.base.errors import EditError
+from grip_bt.base.yaml.scalars import STRANGE
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
 
 from ..document import Document
@@ -17,7 +18,7 @@ from .text_places import content_end, line_end, line_start, one_entry_a_line, re
 LONGEST = 10_000
 """Characters of a comment."""
 
-_STRANGE = re.compile("[^ -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+_UNWRITABLE = re.compile(f"[\x00-\x1f{STRANGE}]")
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ def lines_of_comment(path: str, text: str) -> list[str]:
     if len(text) > LONGEST:
         raise EditError(path, f"a comment may have {LONGEST} characters, not {len(text)}; shorten it")
     lines = [line.expandtabs(4).rstrip() for line in text.splitlines()]
-    strange = _STRANGE.search("".join(lines))
+    strange = _UNWRITABLE.search("".join(lines))
     if strange:
         raise EditError(path, f"a comment can't have the character {strange.group()!r}; leave it out")
     while lines and not lines[-1]:

@@ -13,7 +13,7 @@ from grip_bt.task.model import KINDS
 
 from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task, children_of, outcomes_of
 from .change_kind import STANDARD, chain, edges_of, expect_kind
-from .editing import BaseCommand, Edit, expect_free, kind_in_words, path_in_words, slot, slot_of
+from .editing import BaseCommand, Edit, PathCommand, expect_free, kind_in_words, path_in_words, slot, slot_of
 from .paste import fresh_name
 from .steps import Place
 
@@ -65,12 +65,11 @@ class Wrap(BaseCommand):
             edit.shift(at, name, (*at, self.name, slot_of(KINDS[self.kind])), position)
 
 
-class Unwrap(BaseCommand):
+class Unwrap(PathCommand):
     """A container goes and its children take its place."""
 
     do: Literal["unwrap"] = "unwrap"
     words: ClassVar[str] = "unwrap {path}"
-    path: str
 
     def plan(self, edit: Edit) -> None:
         node = edit.container(self.path)

@@ -271,6 +271,12 @@ class BaseCommand(BaseModel):
         raise NotImplementedError
 
 
+class PathCommand(BaseCommand):
+    """An edit of the node at `path`; of the task where that is empty, if a task has what is changed."""
+
+    path: str
+
+
 def path_in_words(path: str) -> str:
     """Return a node's path as titles say it."""
     return {"": "the task", "/": "the root"}.get(path, path)

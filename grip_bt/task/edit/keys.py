@@ -11,7 +11,7 @@ from grip_bt.base.errors import EditError, listing, nearest
 from ..document import CHILDREN, keys_of
 from ..model import Meaning, StateMachine, children_of, outcomes_of
 from ..parts import FREE_PREFIX
-from .editing import BaseCommand, Edit, kind_of, path_in_words
+from .editing import Edit, PathCommand, kind_of, path_in_words
 from .steps import Place
 
 _STRUCTURE = {
@@ -30,11 +30,10 @@ _IN_WORDS: dict[tuple[str, ...], str] = {
 _PORTS = {"in": "reads", "out": "writes"}
 
 
-class Set(BaseCommand):
+class Set(PathCommand):
     """A key of a node or of the task has a value: `["times"]`, `["with", "arm"]`, `["in", "cloud"]`, `["x-note"]`."""
 
     do: Literal["set"] = "set"
-    path: str
     key: tuple[str, ...] = Field(min_length=1)
     value: object
 
@@ -57,11 +56,10 @@ class Set(BaseCommand):
         edit.set((*place, *above), last, self.value)
 
 
-class Unset(BaseCommand):
+class Unset(PathCommand):
     """A key of a node or of the task goes, so that its default holds."""
 
     do: Literal["unset"] = "unset"
-    path: str
     key: tuple[str, ...] = Field(min_length=1)
 
     def in_words(self) -> str:
@@ -82,7 +80,7 @@ class Unset(BaseCommand):
         edit.drop_in(place, above[0], last)
 
 
-class Connect(BaseCommand):
+class Connect(PathCommand):
     """An outcome of a node leads to `target`.
 
     In a state machine to a sibling or to an outcome of the machine; at the root to an outcome of the task; in any other
@@ -91,7 +89,6 @@ class Connect(BaseCommand):
 
     do: Literal["connect"] = "connect"
     words: ClassVar[str] = "connect {outcome} of {path} to {target}"
-    path: str
     outcome: str
     """An outcome, or `outcome.code`."""
     target: str
@@ -110,12 +107,11 @@ class Connect(BaseCommand):
         edit.set_in(record, field, key, self.target)
 
 
-class Disconnect(BaseCommand):
+class Disconnect(PathCommand):
     """An outcome of a node isn't connected any more."""
 
     do: Literal["disconnect"] = "disconnect"
     words: ClassVar[str] = "disconnect {outcome} of {path}"
-    path: str
     outcome: str
 
     def plan(self, edit: Edit) -> None:
@@ -127,11 +123,10 @@ class Disconnect(BaseCommand):
         edit.drop_in(record, field, key)
 
 
-class SetMeaning(BaseCommand):
+class SetMeaning(PathCommand):
     """An outcome of a node, or of the task, means success or failure; for a leaf, None is what its manifest says."""
 
     do: Literal["set_meaning"] = "set_meaning"
-    path: str
     outcome: str
     meaning: Meaning | None
 

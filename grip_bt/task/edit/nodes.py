@@ -11,7 +11,7 @@ from grip_bt.base.frozen import FrozenDict
 
 from ..canonical import file_data
 from ..model import Name, StateMachine, children_of
-from .editing import BaseCommand, Edit, expect_free, expect_others, expect_room, path_in_words, slot
+from .editing import BaseCommand, Edit, PathCommand, expect_free, expect_others, expect_room, path_in_words, slot
 from .steps import Assign, Place
 
 
@@ -35,7 +35,7 @@ class Add(BaseCommand):
         edit.put(at, self.name, dict(self.node), self.index)
 
 
-class Remove(BaseCommand):
+class Remove(PathCommand):
     """A node goes, with all below it, and with the edges and exits of its neighbours that name it.
 
     Where a state machine began with it, the machine begins with its first remaining child.
@@ -43,7 +43,6 @@ class Remove(BaseCommand):
 
     do: Literal["remove"] = "remove"
     words: ClassVar[str] = "remove {path}"
-    path: str
 
     def plan(self, edit: Edit) -> None:
         parent, name, container = edit.parent(self.path, "can't be removed; remove its children, or set another root")
@@ -52,14 +51,13 @@ class Remove(BaseCommand):
         edit.drop((*edit.place(parent), slot(container)), name)
 
 
-class Move(BaseCommand):
+class Move(PathCommand):
     """A node goes elsewhere: to another position, or into another container.
 
     In another container it loses its `on`, and its old neighbours lose what they said about it.
     """
 
     do: Literal["move"] = "move"
-    path: str
     parent: str
     index: int | None = Field(default=None, ge=0)
     """Position among the new parent's children, counted without the node itself; None: after the last."""
@@ -94,12 +92,11 @@ class Move(BaseCommand):
         _carry(edit, at, name, into, to, self.index)
 
 
-class Rename(BaseCommand):
+class Rename(PathCommand):
     """A node is called `name`; `initial`, `on` and `exits` around it follow."""
 
     do: Literal["rename"] = "rename"
     words: ClassVar[str] = "rename {path} to {name}"
-    path: str
     name: Name
 
     def plan(self, edit: Edit) -> None:

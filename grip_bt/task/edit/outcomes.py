@@ -10,11 +10,11 @@ from grip_bt.base.errors import EditError, listing, nearest
 from ..canonical import file_data
 from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task, default_outcome, outcomes_of
 from .change_kind import STANDARD
-from .editing import BaseCommand, Edit, kind_of
+from .editing import Edit, PathCommand, kind_of
 from .steps import Place
 
 
-class RenameOutcome(BaseCommand):
+class RenameOutcome(PathCommand):
     """An outcome that a container declares, or (with an empty path) the task, is called `to`.
 
     What leads to it inside and what leads on from it around the container follows: `exits`, `on` and `rules`. Nothing
@@ -23,7 +23,6 @@ class RenameOutcome(BaseCommand):
 
     do: Literal["rename_outcome"] = "rename_outcome"
     words: ClassVar[str] = "rename the outcome {outcome} of {path} to {to}"
-    path: str
     outcome: str
     to: Name
 

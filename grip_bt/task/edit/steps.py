@@ -23,13 +23,14 @@ Place = tuple[str, ...]
 class _Step(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
+    at: Place
+    key: str
+
 
 class Put(_Step):
     """A new entry `key` in the mapping at `at`."""
 
     step: Literal["put"] = "put"
-    at: Place
-    key: str
     value: object
     index: int | None = None
     """Position among the entries whose order counts; None: at the end."""
@@ -39,16 +40,12 @@ class Drop(_Step):
     """The entry `key` of the mapping at `at` goes."""
 
     step: Literal["drop"] = "drop"
-    at: Place
-    key: str
 
 
 class Rekey(_Step):
     """The entry `key` of the mapping at `at` is called `to`, and stays where it is."""
 
     step: Literal["rekey"] = "rekey"
-    at: Place
-    key: str
     to: str
 
 
@@ -56,8 +53,6 @@ class Assign(_Step):
     """The entry `key` of the mapping at `at` has another value."""
 
     step: Literal["assign"] = "assign"
-    at: Place
-    key: str
     value: object
 
 
@@ -65,8 +60,6 @@ class Shift(_Step):
     """The entry `key` of the mapping at `at` goes to the mapping at `to`, or to another position in its own."""
 
     step: Literal["shift"] = "shift"
-    at: Place
-    key: str
     to: Place
     index: int | None = None
     """Position in `to`, counted without the entry itself; None: at the end."""
@@ -80,8 +73,6 @@ class Remark(_Step):
     """The entry `key` of the mapping at `at` has another comment; nothing of what the task does changes."""
 
     step: Literal["remark"] = "remark"
-    at: Place
-    key: str
     text: str
     """Its lines without `#`; empty for none."""
 

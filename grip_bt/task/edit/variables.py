@@ -15,7 +15,7 @@ from grip_bt.base.expression import parse_expression
 from ..canonical import file_data
 from ..document import DECLARING
 from ..model import AnyNode, Name, Variable, children_of, expressions_of, join
-from .editing import BaseCommand, Edit
+from .editing import Edit, PathCommand
 
 _READS = ("items",)
 """Keys of containers that hold the name of a variable."""
@@ -24,12 +24,11 @@ _DECLARES = ("item",)
 """Keys of containers that declare a variable besides those in `data`."""
 
 
-class Declare(BaseCommand):
+class Declare(PathCommand):
     """A new variable of a container, or (with an empty path) of the task."""
 
     do: Literal["declare"] = "declare"
     words: ClassVar[str] = "declare {name} in {path}"
-    path: str
     name: Name
     variable: Variable | str
     index: int | None = Field(default=None, ge=0)
@@ -46,12 +45,11 @@ class Declare(BaseCommand):
             edit.put(place, "data", {self.name: value})
 
 
-class Undeclare(BaseCommand):
+class Undeclare(PathCommand):
     """A variable goes; nothing may use it any more."""
 
     do: Literal["undeclare"] = "undeclare"
     words: ClassVar[str] = "remove the variable {name} of {path}"
-    path: str
     name: str
 
     def plan(self, edit: Edit) -> None:
@@ -68,12 +66,11 @@ class Undeclare(BaseCommand):
             edit.drop_in(place, key, self.name)
 
 
-class RenameVariable(BaseCommand):
+class RenameVariable(PathCommand):
     """A variable is called `to`; the bindings and expressions that see it follow."""
 
     do: Literal["rename_variable"] = "rename_variable"
     words: ClassVar[str] = "rename the variable {name} to {to}"
-    path: str
     name: str
     to: Name
 
