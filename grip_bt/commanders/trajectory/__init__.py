@@ -2,7 +2,3 @@
 
 `stopping` brings motions to rest on their path, and on again; `limits` looks at what others timed.
 """
-
-import warnings
-
-warnings.filterwarnings("ignore", "invalid escape sequence", SyntaxWarning, ".*toppra")  # when it is first compiled

@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import numpy as np
-import toppra
-import toppra.algorithm
-import toppra.constraint
 from scipy.interpolate import BSpline
-from toppra.parametrizer import ParametrizeConstAccel
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.values import Trajectory
 from grip_bt.commanders.trajectory.limits import Limits
 from grip_bt.commanders.trajectory.splines import averaged, slowed, smoothed
+from grip_bt.commanders.trajectory.toppra_alone import ParametrizeConstAccel, toppra
 
 toppra.setup_logging("ERROR")
 

@@ -6,6 +6,7 @@ A file says what there is, in which regions a seed draws objects, and what the r
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import Pose
 from grip_bt.base.values.pose import angles_of
@@ -87,6 +87,7 @@ COLOURS: tuple[Colour, ...] = ((205, 60, 45), (60, 150, 70), (225, 170, 40), (12
 ORIGIN = (0.0, 0.0, 0.0)
 GREY: Colour = (150, 150, 150)
 WOOD: Colour = (150, 112, 74)
+Place: TypeAlias = tuple[float, float]
 Models: TypeAlias = Callable[[str], Path]
 """Returns the file of an object that is named."""
 
@@ -108,7 +109,7 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "", models: 
         for name, r in world.regions.items()
     )
     fixed = [_placed(name, thing, models) for name, thing in world.objects.items() if not thing.draw]
-    taken = [np.array(thing.position[:2]) for thing in fixed]
+    taken = [thing.position[:2] for thing in fixed]
     objects = list(fixed)
     for name, thing in world.objects.items():
         if thing.draw:
@@ -195,7 +196,7 @@ def _placed(name: str, thing: ObjectConfig, models: Models) -> ObjectSpec:
 
 
 def _drawn(
-    name: str, thing: ObjectConfig, region: RegionSpec, taken: list[Array], rng: np.random.Generator, models: Models
+    name: str, thing: ObjectConfig, region: RegionSpec, taken: list[Place], rng: np.random.Generator, models: Models
 ) -> Iterator[ObjectSpec]:
     clearance = thing.clearance or 0.01 + 2 * max(_made(each, None, models).radius for each in thing.of)
     places = _places(name, thing, clearance, region, taken, rng)
@@ -211,20 +212,20 @@ def _drawn(
 
 
 def _places(
-    name: str, thing: ObjectConfig, clearance: float, region: RegionSpec, taken: list[Array], rng: np.random.Generator
-) -> list[Array]:
+    name: str, thing: ObjectConfig, clearance: float, region: RegionSpec, taken: list[Place], rng: np.random.Generator
+) -> list[Place]:
     """Return places in a region, seen from above, that keep their distance; what was tried in vain begins anew."""
-    half, most = np.array(region.size[:2]) / 2, 0
-    cosine, sine = np.cos(region.yaw), np.sin(region.yaw)
+    (length, width, _), most = region.size, 0
+    (left, front, _), cosine, sine = region.centre, float(np.cos(region.yaw)), float(np.sin(region.yaw))
     for _ in range(1 if thing.drop else RESTARTS):
-        places: list[Array] = []
+        places: list[Place] = []
         for _ in range(TRIES):
             if len(places) == thing.draw:
                 taken += places
                 return places
-            x, y = rng.uniform(-half, half)
-            place = np.array([cosine * x - sine * y, sine * x + cosine * y]) + region.centre[:2]
-            if thing.drop or all(np.linalg.norm(place - other) >= clearance for other in (*taken, *places)):
+            x, y = length * rng.random() - length / 2, width * rng.random() - width / 2
+            place = (cosine * x - sine * y + left, sine * x + cosine * y + front)
+            if thing.drop or all(math.dist(place, other) >= clearance for other in (*taken, *places)):
                 places.append(place)
         most = max(most, len(places))
     where = f"the region {region.name!r} ({' x '.join(f'{edge:g}' for edge in region.size[:2])} m)"
