@@ -313,6 +313,8 @@ class RosTree(BehaviourTree):
 def _ros_trees(module: Any) -> None:
     trees = module if module.__name__.endswith(".trees") else module.trees
     trees.BehaviourTree = RosTree
+    for package in ("diagnostic_msgs", "geometry_msgs", "sensor_msgs", "std_msgs"):
+        import_module(f"{package}.msg")  # as py_trees_ros does: code takes `std_msgs.msg` for granted
 
 
 @contextmanager

@@ -144,7 +144,10 @@ class StandIn(metaclass=_Kind):
             return lifted(held_by(self), name_of(self), *arguments, **named)
         if len(arguments) == 1 and not named and isinstance(arguments[0], (FunctionType, type)):
             return arguments[0]
-        return known(f"{name_of(self)}()")
+        made = known(f"{name_of(self)}()")
+        if isinstance(made, StandIn):
+            StandIn.__init__(made, *arguments, **named)
+        return made
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):

@@ -165,7 +165,7 @@ def _made(place: Place, node: Callable[[], object] | None, watched: _Watched) ->
                 raise TreeCodeError(f"{place.module} has no {part!r}{_there(_functions(value))}")
             owner, value = value, getattr(value, part)
             if isinstance(owner, type) and inspect.isfunction(inspect.getattr_static(owner, part)):
-                mine = {name: arguments.pop(name) for name in _parameters(owner) if name in arguments}
+                mine = {name: arguments.pop(name) for name in parameters_of(owner) if name in arguments}
                 value = getattr(owner(**_arguments(owner, place, node, mine)), part)
         if isinstance(value, Behaviour | BehaviourTree) or not callable(value):
             return value
@@ -197,7 +197,8 @@ def _module(place: Place) -> Any:
     return module
 
 
-def _parameters(function: Any) -> Mapping[str, inspect.Parameter]:
+def parameters_of(function: Callable[..., object]) -> Mapping[str, inspect.Parameter]:
+    """Return what a function or class takes; nothing where that isn't known."""
     try:
         return inspect.signature(function).parameters
     except (TypeError, ValueError):
@@ -205,10 +206,10 @@ def _parameters(function: Any) -> Mapping[str, inspect.Parameter]:
 
 
 def _arguments(
-    function: object, place: Place, node: Callable[[], object] | None, given: dict[str, object]
+    function: Callable[..., object], place: Place, node: Callable[[], object] | None, given: dict[str, object]
 ) -> dict[str, object]:
     """Return what a function is called with: what is given, a ROS node, and what stands in, where that is wanted."""
-    for name, parameter in _parameters(function).items():
+    for name, parameter in parameters_of(function).items():
         many = parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
         if name in given or many or parameter.default is not parameter.empty:
             continue
@@ -312,7 +313,7 @@ def is_of_ros(root: Behaviour) -> bool:
     used = {str(getattr(v, "__module__", "")) for m in names for v in vars(sys.modules.get(m, object)).values()}
     used |= {v.__name__ for m in names for v in vars(sys.modules.get(m, object)).values() if inspect.ismodule(v)}
     of_ros = any(name.split(".")[0] in ("rclpy", "py_trees_ros") for name in names | used)
-    return of_ros or any("node" in _parameters(cls.setup) for cls in classes if issubclass(cls, Behaviour))
+    return of_ros or any("node" in parameters_of(cls.setup) for cls in classes if issubclass(cls, Behaviour))
 
 
 def _keep_ros() -> None:

@@ -23,7 +23,7 @@ from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 
 from .keys import Keys
-from .tree import drawn
+from .tree import drawn, is_equal
 
 _log = logging.getLogger(__name__)
 
@@ -185,7 +185,7 @@ class _Board:
         there = Blackboard.storage
         for key, value in there.items():
             old, inside = self._seen.get(key, (UNSET, None))
-            if value is not old or (thoroughly and not _same(inside, _inside(value))):
+            if value is not old or (thoroughly and not is_equal(inside, _inside(value), otherwise=True)):
                 self._seen[key] = value, _inside(value)
                 self._write(path, key, value)
         if len(self._seen) > len(there):
@@ -206,10 +206,3 @@ def _inside(value: Any) -> Any:
     if isinstance(value, list | dict | set):
         return copy.copy(value)
     return dict(vars(value)) if hasattr(value, "__dict__") and not isinstance(value, type) else None
-
-
-def _same(one: Any, other: Any) -> bool:
-    try:
-        return bool(one == other)
-    except Exception:  # noqa: BLE001 - what can't be compared isn't known to have changed
-        return True

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import operator
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
 from itertools import groupby
 from typing import Any
 
@@ -87,6 +87,10 @@ _OPERATORS: dict[Any, str] = {
     **{operator.eq: "==", operator.ne: "!=", operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">="}
 }
 
+_JOINED: dict[Any, str] = {operator.and_: "and", operator.or_: "or", operator.xor: "!="}
+INSIDE = "inside"
+"""What nodes are called that do together what one behaviour does."""
+
 
 def _plays(statuses: Sequence[Status | str], then: Status | None = None, **more: Any) -> NodeSettings:
     """Return the leaf that answers ticks by a list; `running*3` is three in a row."""
@@ -103,11 +107,9 @@ def _periodic(node: Any) -> NodeSettings:
 
 
 def _condition(node: Any) -> NodeSettings:
-    if node.succeed_status is Status.SUCCESS:
-        return NodeSettings({"kind": "retry"})
-    if node.succeed_status is Status.FAILURE:
-        return NodeSettings({"kind": "retry"}, inverted=True)
-    raise NoEquivalentError(f"a Condition that waits for {node.succeed_status.value}")
+    if node.succeed_status not in (Status.SUCCESS, Status.FAILURE):
+        raise NoEquivalentError(f"a Condition that waits for {node.succeed_status.value}")
+    return NodeSettings({"kind": "retry"}, inverted=node.succeed_status is Status.FAILURE)
 
 
 def _one_shot(node: Any) -> NodeSettings:
@@ -123,54 +125,59 @@ def _asks(expression: str) -> NodeSettings:
     return NodeSettings({"node": "flow/succeed", "precondition": expression})
 
 
-def _there(node: Any, keys: Keys) -> str:
-    return f"{keys.plain(node.blackboard, node.variable_name)} != null"
-
-
-def _compared(node: Any, check: Any, keys: Keys) -> str:
-    """Return the condition of one comparison; one with a key that isn't there is false."""
+def _compared(node: Any, check: Any, keys: Keys) -> tuple[str, str]:
+    """Return the variable of a comparison, and what it is compared with: `== 1`."""
     name = keys.plain(node.blackboard, check.variable)
-    sign, value = _OPERATORS.get(check.operator), keys.literal(check.value_generator, node.blackboard, check.variable)
-    if sign is None:
-        raise NoEquivalentError(f"a comparison by {check.operator}, which is a Python function")
-    return f"{name} != null and {name} {sign} {value!r}"
+    value = keys.literal(check.value_generator, node.blackboard, check.variable)
+    return name, f"{_sign(check.operator, _OPERATORS)} {value!r}"
 
 
-def _compared_all(node: Any, keys: Keys) -> str:
-    joined = {operator.and_: ") and (", operator.or_: ") or ("}.get(node.operator)
-    if joined is None or getattr(node, "blackboard_results", None) is not None:
-        raise NoEquivalentError("checks of several variables that keep their results, or join them by a function")
-    if node.operator is operator.or_:  # a key that isn't there fails it, whatever the others say
-        names = dict.fromkeys(keys.plain(node.blackboard, check.variable) for check in node.checks)
-        there = " and ".join(f"{name} != null" for name in names)
-        return f"{there} and (({joined.join(_compared(node, check, keys) for check in node.checks)}))"
-    return f"({joined.join(_compared(node, check, keys) for check in node.checks)})"
+def _checks(node: Any, keys: Keys) -> NodeSettings:
+    name, compared = _compared(node, node.check, keys)
+    return _asks(f"{name} != null and {name} {compared}")
+
+
+def _checks_all(node: Any, keys: Keys) -> NodeSettings:
+    """Return what compares several keys: one that isn't there fails it, and only else are the results kept."""
+    sign = _sign(node.operator, _JOINED)
+    compared = [_compared(node, check, keys) for check in node.checks]
+    there = " and ".join(f"{name} != null" for name in dict(compared))
+    joined = reduce(lambda one, other: f"({one}) {sign} ({other})", (f"{name} {how}" for name, how in compared))
+    asked = _asks(f"{there} and ({joined})")
+    if node.blackboard_results is None:
+        return asked
+    steps: dict[str, Any] = {f"{INSIDE} 0": _asks(there).settings}
+    for number, (name, how) in enumerate(compared, 1):
+        kept = keys.plain(node.blackboard_results, str(number))
+        said = {"with": {"expression": f"a {how}"}, "in": {"a": name}, "out": {"value": kept}}
+        steps[f"{INSIDE} {number}"] = {"node": "flow/compute", **said}
+    return NodeSettings({"kind": "sequence", "memory": False, "children": steps | {INSIDE: asked.settings}})
 
 
 def _between(node: Any, keys: Keys) -> str:
     one, other = (keys.plain(node.blackboard, name) for name in (node.var1_key, node.var2_key))
-    sign = _OPERATORS.get(node.operator)
-    if sign is None:
-        raise NoEquivalentError(f"a comparison by {node.operator}, which is a Python function")
-    return f"{one} != null and {other} != null and {one} {sign} {other}"
+    return f"{one} != null and {other} != null and {one} {_sign(node.operator, _OPERATORS)} {other}"
+
+
+def _sign(function: Any, signs: Mapping[Any, str]) -> str:
+    if function not in signs:
+        raise NoEquivalentError(f"a comparison by {function}, which is a Python function")
+    return signs[function]
+
+
+def _sets(name: str, value: object, **more: Any) -> NodeSettings:
+    return NodeSettings({"node": "flow/set", **more, "with": {"value": value}, "out": {"value": name}})
 
 
 def _set(node: Any, keys: Keys) -> NodeSettings:
     name = keys.plain(node.blackboard, node.variable_name)
     value = keys.literal(node.variable_value_generator, node.blackboard, node.variable_name)
-    once = {} if node.overwrite else {"precondition": f"{name} == null"}
-    return NodeSettings({"node": "flow/set", **once, "with": {"value": value}, "out": {"value": name}})
+    return _sets(name, value, **({} if node.overwrite else {"precondition": f"{name} == null"}))
 
 
-def _unset(node: Any, keys: Keys) -> NodeSettings:
-    name = keys.plain(node.blackboard, node.key)
-    return NodeSettings({"node": "flow/set", "with": {"value": None}, "out": {"value": name}})
-
-
-def _wait(node: Any, keys: Keys, expression: str) -> NodeSettings:
-    name = keys.plain(node.blackboard, node.key)
-    text = re.sub(rf"\b{name}\b", "a", expression, count=2)  # it comes first, before a value with the same word
-    return NodeSettings({"node": "flow/wait_until", "with": {"expression": text}, "in": {"a": name}})
+def _waits(variable: str, expression: str = "") -> NodeSettings:
+    text = f"a != null and a {expression}" if expression else "a != null"
+    return NodeSettings({"node": "flow/wait_until", "with": {"expression": text}, "in": {"a": variable}})
 
 
 _KNOWN: dict[type[Behaviour], Callable[[Any, Keys], NodeSettings]] = {
@@ -203,14 +210,16 @@ _KNOWN: dict[type[Behaviour], Callable[[Any, Keys], NodeSettings]] = {
     behaviours.StatusQueue: lambda node, _: _plays(node.queue, node.eventually),
     behaviours.SuccessEveryN: lambda node, _: _plays(["failure"] * (node.every_n - 1) + ["success"]),
     behaviours.TickCounter: lambda node, _: _plays(["running"] * node.duration + [node.completion_status], anew=True),
-    behaviours.CheckBlackboardVariableExists: lambda node, keys: _asks(_there(node, keys)),
-    behaviours.WaitForBlackboardVariable: lambda node, keys: _wait(node, keys, _there(node, keys)),
-    behaviours.CheckBlackboardVariableValue: lambda node, keys: _asks(_compared(node, node.check, keys)),
-    behaviours.WaitForBlackboardVariableValue: lambda node, keys: _wait(node, keys, _compared(node, node.check, keys)),
-    behaviours.CheckBlackboardVariableValues: lambda node, keys: _asks(_compared_all(node, keys)),
+    behaviours.CheckBlackboardVariableExists: lambda node, keys: _asks(
+        f"{keys.plain(node.blackboard, node.variable_name)} != null"
+    ),
+    behaviours.WaitForBlackboardVariable: lambda node, keys: _waits(keys.plain(node.blackboard, node.variable_name)),
+    behaviours.CheckBlackboardVariableValue: _checks,
+    behaviours.WaitForBlackboardVariableValue: lambda node, keys: _waits(*_compared(node, node.check, keys)),
+    behaviours.CheckBlackboardVariableValues: _checks_all,
     behaviours.CompareBlackboardVariables: lambda node, keys: _asks(_between(node, keys)),
     behaviours.SetBlackboardVariable: _set,
-    behaviours.UnsetBlackboardVariable: _unset,
+    behaviours.UnsetBlackboardVariable: lambda node, keys: _sets(keys.plain(node.blackboard, node.key), None),
     timers.Timer: lambda node, _: NodeSettings(
         {"node": "flow/wait", "with": {"seconds": float(node.duration)}}, remark=_CLOCK
     ),
@@ -269,15 +278,7 @@ def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[
 
 def refuse_variables(document: model.AnyNode) -> None:
     """Refuse a node that sees variables, which only the whole task declares. Raises NoEquivalentError."""
-    if document.precondition:
-        raise NoEquivalentError(f"it has the precondition `{document.precondition}`, {_GIVE}")
-    if isinstance(document, model.Leaf | model.Subtask) and (document.in_ or document.out):
-        raise NoEquivalentError(f"its ports {sorted({*document.in_, *document.out})} are bound, {_GIVE}")
-    if isinstance(document, model.Kind):
-        if getattr(document, "data", None):
-            raise NoEquivalentError(f"it declares variables, {_GIVE}")
-        if document.reads or any(document.expressions()):
-            raise NoEquivalentError(f"it is a {document.kind} over variables, {_GIVE}")
-
-
-_GIVE = "and which variables those are only the compiled task knows; give that to `to_task`, not its root"
+    asks = isinstance(document, model.Kind) and (document.reads or any(document.expressions()))
+    if asks or document.precondition or any(getattr(document, keys, None) for keys in ("in_", "out", "data")):
+        why = "which those are only the compiled task knows; give that to `to_task`, not its root"
+        raise NoEquivalentError(f"it sees variables, and {why}")

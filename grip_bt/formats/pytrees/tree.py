@@ -18,10 +18,11 @@ from grip_bt.formats.names import distinct, is_literal, node_name
 from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.foreign import Foreign, by_path, class_path
 from grip_bt.nodes.node import Node
+from grip_bt.nodes.tree_code import parameters_of
 from grip_bt.task import model
 from grip_bt.task.validation.parts import DRAWN
 
-from .classes import ENDS, NodeSettings, convert_behaviour, from_document, refuse_variables
+from .classes import ENDS, INSIDE, NodeSettings, convert_behaviour, from_document, refuse_variables
 from .keys import Keys, NoEquivalentError, keys_of
 
 _PLAIN = {"success": "success", "failure": "failure"}
@@ -92,13 +93,13 @@ class Reader:
         keys = dict(equal.settings)
         if equal.remark:
             self.issues.add("changed", path, equal.remark)
-        if keys.get("kind") == "subtask" or "node" in keys:
-            return keys  # what is below stands elsewhere
+        if keys.get("kind") == "subtask" or keys.keys() & {"node", "children"}:
+            return keys  # what is below stands elsewhere, or is there
         if isinstance(behaviour, Foreign):
             if not isinstance(behaviour.document, model.Foreign) or not behaviour.document.children:
                 return keys
             behaviour = behaviour.decorated
-        children = self.children(behaviour, model.join(path, _INSIDE) if equal.inverted else path)
+        children = self.children(behaviour, model.join(path, INSIDE) if equal.inverted else path)
         if equal.failures:
             keys["exits"] = {
                 f"{name}.{label}": "failure"
@@ -111,7 +112,7 @@ class Reader:
         if keys["kind"] == "parallel" and self.keys.names:
             keys["order"] = "declared"  # what one writes the next one reads, in the same tick
         if equal.inverted:
-            children = {_INSIDE: {"kind": "invert", "child": children}}
+            children = {INSIDE: {"kind": "invert", "child": children}}
         if keys["kind"] == "foreign" and not children:
             return keys
         return {**keys, "children" if keys["kind"] in _COMPOSITES else "child": children}
@@ -157,7 +158,6 @@ class Reader:
         return result
 
 
-_INSIDE = "inside"
 _LISTED = "kept as it is, as a foreign behaviour; list it under `code:` in grip.yaml"
 
 
@@ -282,11 +282,7 @@ def foreign_node(behaviour: Behaviour, name: str) -> dict[str, object]:
 
 def _literals_of(behaviour: Behaviour) -> dict[str, Any]:
     """Return the arguments of a behaviour's constructor that can be read off its attributes."""
-    try:
-        wanted = inspect.signature(type(behaviour)).parameters
-    except (TypeError, ValueError):
-        return {}
-    found = {name: getattr(behaviour, name, None) for name in wanted if name != "name"}
+    found = {name: getattr(behaviour, name, None) for name in parameters_of(type(behaviour)) if name != "name"}
     return {name: value for name, value in found.items() if value is not None and is_literal(value)}
 
 
@@ -298,12 +294,13 @@ def _compare(behaviour: Behaviour, where: str, args: dict[str, Any], named: bool
         raise NoEquivalentError(f"{where} can't be made again: {type(error).__name__}: {error}") from error
     mine, other = vars(behaviour), vars(again)
     for name in (mine.keys() | other.keys()) - _OF_A_RUN:
-        if name not in mine or name not in other or not _equal(mine[name], other[name]):
+        if name not in mine or name not in other or not is_equal(mine[name], other[name], otherwise=False):
             raise NoEquivalentError(f"{where}: made again its {name!r} would be another one")
 
 
-def _equal(one: object, other: object) -> bool:
+def is_equal(one: object, other: object, otherwise: bool) -> bool:
+    """Tell whether two values are equal and of one class; `otherwise`: where they can't be compared."""
     try:
         return type(one) is type(other) and bool(one == other)
-    except Exception:  # noqa: BLE001 - what can't be compared isn't known to be equal
-        return False
+    except Exception:  # noqa: BLE001 - somebody's values may do anything
+        return otherwise

@@ -13,8 +13,8 @@ ENDS = (Status.SUCCESS, Status.FAILURE)
 
 
 def make_leaf(random: Random, name: str) -> Behaviour:
-    """Return a leaf that counts ticks, or works on one of two keys of the blackboard."""
-    key, value = random.choice(("x", "y")), random.randint(0, 2)
+    """Return a leaf that counts ticks, or works on keys of the blackboard, results of checks among them."""
+    key, value = random.choice(("x", "y", "kept/1")), random.randint(0, 2)
     check = ComparisonExpression(key, value, random.choice((operator.eq, operator.ne, operator.lt, operator.ge)))
     others = [check, ComparisonExpression("y", 1, operator.le)]
     queue = random.choices((*ENDS, Status.RUNNING), k=random.randint(1, 4))
@@ -31,7 +31,7 @@ def make_leaf(random: Random, name: str) -> Behaviour:
             lambda: behaviours.CheckBlackboardVariableExists(name, key),
             lambda: behaviours.CheckBlackboardVariableValue(name, check),
             lambda: behaviours.CheckBlackboardVariableValues(
-                name, others, random.choice((operator.and_, operator.or_))
+                name, others, random.choice((operator.and_, operator.or_, operator.xor)), random.choice((None, "kept"))
             ),
             lambda: behaviours.CompareBlackboardVariables(name, "x", "y", random.choice((operator.eq, operator.gt))),
             lambda: behaviours.WaitForBlackboardVariable(name, key),

@@ -422,6 +422,25 @@ def test_an_import_and_a_drawing_have_stand_ins_and_name_them(older: Path, capfd
         assert session.runner.run().outcome == "success"
 
 
+TAKEN_FOR_GRANTED = """\
+import py_trees
+import py_trees_ros
+import std_msgs
+
+
+def create_root():
+    battery = py_trees_ros.battery.ToBlackboard(name="Battery", topic_name="/battery", threshold=30.0)
+    event = py_trees_ros.subscribers.ToBlackboard("Abort", topic_type=std_msgs.msg.Bool)
+    return py_trees.composites.Sequence("Topics", memory=True, children=[battery, event])
+"""
+
+
+def test_what_stands_in_is_called_as_it_was_and_py_trees_ros_brings_messages_along(tmp_path: Path) -> None:
+    (tmp_path / "topics.py").write_text(TAKEN_FOR_GRANTED)
+    made = import_from_code(f"{tmp_path}/topics.py:create_root", tmp_path, stand_ins=True)
+    assert [*made.task.root.children] == ["Battery", "Abort"]
+
+
 ROS = """\
 import py_trees_ros.trees
 from py_trees.behaviours import Success
