@@ -42,7 +42,7 @@ class ObjectTruth(NamedTuple):
 def judge(world: World) -> tuple[ObjectTruth, ...]:
     """Return the truth about each object of a world, as it is now."""
     contacts = list(world.contacts())
-    return tuple(_verdict(world, spec, [c for c in contacts if spec.name in c[:2]]) for spec in world.spec.objects)
+    return tuple(_verdict(world, spec, [c for c in contacts if c.body == spec.name]) for spec in world.spec.objects)
 
 
 def _verdict(world: World, spec: ObjectSpec, contacts: Iterable[Contact]) -> ObjectTruth:
@@ -50,11 +50,10 @@ def _verdict(world: World, spec: ObjectSpec, contacts: Iterable[Contact]) -> Obj
     frames = robot.description.grasp_frame, *robot.description.grasp_frames.values()
     hand = robot.hand_links.union(frame.link for frame in frames)  # a palm isn't moved by the joints of its hand
     for contact in contacts:
-        other = contact.second if contact.first == spec.name else contact.first
-        if other in hand:
+        if contact.other in hand:
             hand_force += contact.force
         else:
-            borne += max(0.0, contact.push_on(spec.name)[2])
+            borne += max(0.0, contact.push[2])
     resting = borne > BORNE * spec.mass * GRAVITY
     pose = world.object_pose(spec.name)
     speed, turn = world.object_speeds(spec.name)

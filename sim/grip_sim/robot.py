@@ -22,13 +22,17 @@ PAIRS = range(28, 11, -1)
 GENTLE = 0.1
 """Part of the drives' torque with which a hand presses at first, when it touches something."""
 CALM = 4.0
-"""Armature of fingers that slide together over their drive's stiffness times dt^2, at least: one that is aimed at where
-the other was a step ago chatters with less."""
+"""Armature of fingers that slide together over their drive's stiffness times dt^2, at least: lighter ones would swing
+about their tie faster than in a step."""
 TIE, TIE_TIME = 5.0, 1e-3
 """Stiffness of a linkage over its drive's, and its damping over that [s]. Much stiffer, it swings, and fingers
 knock each other off what they meet."""
+BELT = 6.0
+"""Likewise of fingers that slide together: one drive moves them, and the tie alone moves those that follow."""
 REGULATION = 8.0
 """Rate at which that torque grows or sinks while fingers don't press at all, or twice as hard as they are to [1/s]."""
+EXACT = 0.01
+"""Errors of a regulated force smaller than this part of it aren't regulated."""
 LEAST, MOST = 1e-3, 0.999
 """Torques that regulation leaves a drive, as parts of what it can; all of it has one that has touched nothing yet."""
 
@@ -65,9 +69,9 @@ class SimRobot:
         self._ranges: dict[int, tuple[float, float]] = {}
         self.pressing: dict[str, list[int]] = {}
         """The hands whose force is regulated, each with the rows of its joints."""
-        self._followers: dict[int, list[tuple[int, Mimic]]] = {}
+        self._followers: dict[int, list[int]] = {}
         for name, mimic in description.mimics.items():
-            self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
+            self._followers.setdefault(self._rows[mimic.joint], []).append(self._rows[name])
         self._tie()
         self._set_drives()
         self._let_neighbours_pass()
@@ -95,24 +99,23 @@ class SimRobot:
             self._aim(row, position, speed)
 
     def follow(self) -> None:
-        """Note where joints are, and aim those that mimic others at where those *are*; before each step.
+        """Note where joints are, and aim those that mimic others by drives of their own at where those *are*.
 
         What stops the leading joint stops the linkage that it moves, so that the fingers stay parallel on a thing. A
         linkage is no damper: each joint is aimed at with the speed that it has.
         """
         self._before = before = self.body.get_qpos()
-        if not self._followers:
+        if not self._aimed:
             return
         speeds = self.body.get_qvel()
-        for leader, followers in self._followers.items():
-            position = before.item(leader)
-            for row, mimic in followers:
-                self._aim(row, mimic.multiplier * position + mimic.offset, speeds.item(row))
+        for row, mimic in self._aimed:
+            leader = self._rows[mimic.joint]
+            self._aim(row, mimic.multiplier * before.item(leader) + mimic.offset, speeds.item(row))
 
     def limit_torque(self, rows: Iterable[int], limit: float | None) -> None:
         """Limit the torque of drives [N m] and of those that mimic them; None restores the description's limits."""
         for leader in rows:
-            for row in (leader, *(follower for follower, _ in self._followers.get(leader, ()))):
+            for row in (leader, *self._followers.get(leader, ())):
                 self._limit[row] = value = self._most[row] if limit is None else min(limit, self._most[row])
                 stiffness, damping = self._stiffness[row], self._damping[row]
                 self._joints[row].set_drive_properties(stiffness, damping, force_limit=value, mode="force")
@@ -124,7 +127,7 @@ class SimRobot:
 
     def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
         """Have a joint's drive keep it within a range [rad or m], where it is for an empty one; None ends that."""
-        row = self._rows[joint]
+        row = self._rows[self._belts.get(joint, joint)]
         if between is None:
             self._ranges.pop(row, None)
             return
@@ -142,19 +145,22 @@ class SimRobot:
         hands, groups = self.description.hands, self.description.groups
         return next((hand for hand in hands if self._joints[row].name in groups.get(hand, ())), next(iter(hands), ""))
 
-    def regulate(self, rows: Iterable[int], pressed: float, dt: float) -> None:
-        """Let a hand's torques grow or sink towards their force, after a step of `dt` [s] in which it pressed [N].
+    def regulate(self, rows: Sequence[int], pressed: float, dt: float) -> bool:
+        """Let a hand that presses [N] have torques that grow or sink towards its force for a time [s].
 
-        Until something is touched the fingers close as they are driven.
+        Until something is touched the fingers close as they are driven. False where it presses as it is to.
         """
+        error = min(max(1 - pressed / self._force.item(rows[0]), -1.0), 1.0)
+        if abs(error) < EXACT:
+            return False
         for row in rows:
-            error = min(max(1 - pressed / float(self._force[row]), -1.0), 1.0)
             most, limit = self._most[row], float(self._limit[row])
             if limit < most:
                 grown = limit * float(np.exp(REGULATION * error * dt))
                 self.limit_torque([row], min(max(grown, LEAST * most), MOST * most))
             elif pressed:
                 self.limit_torque([row], GENTLE * most)
+        return True
 
     def groups_of(self, rows: Indices) -> list[str]:
         """Return the groups that one of these joints belongs to."""
@@ -224,13 +230,14 @@ class SimRobot:
 
     def _set_drives(self) -> None:
         self._most = [self.description.drives[joint.name].limit for joint in self._joints]
-        linked = {*self._followers, *(row for each in self._followers.values() for row, _ in each)}
+        linked = {*self._followers, *(row for each in self._followers.values() for row in each)}
         for row, joint in enumerate(self._joints):
             drive = self.description.drives[joint.name]
             joint.set_friction(0.0)  # the Allegro's URDF says 5-10 N m, ten times what its motors give
             calm = CALM * drive.stiffness * self._dt**2 if row in linked and joint.type == "prismatic" else 0.0
             joint.set_armature(np.array([max(drive.armature, calm)], dtype=np.float32))
-            self._stiffness[row], self._damping[row] = drive.stiffness, drive.damping
+            if joint.name not in self._belts:
+                self._stiffness[row], self._damping[row] = drive.stiffness, drive.damping
         self.limit_torque(range(len(self._joints)), None)
 
     def _tie(self) -> None:
@@ -239,6 +246,8 @@ class SimRobot:
         PhysX's tendons pass no fixed joint; what is behind one is held by its drive alone.
         """
         joints, mimics = {joint.name: joint for joint in self._joints}, self.description.mimics
+        self._belts: dict[str, str] = {}
+        """Joints without a drive of their own, as they slide as the one that leads does."""
         for name, mimic in mimics.items():
             child, other = joints[name].child_link, joints[mimic.joint]
             if other.parent_link != child.parent:
@@ -247,7 +256,9 @@ class SimRobot:
             if tied.joint != mimic.joint:
                 continue
             ratio = mimic.multiplier / tied.multiplier
-            stiffness = TIE * self.description.drives[mimic.joint].stiffness
+            if joints[name].type == "prismatic" and mimic == Mimic(mimic.joint):
+                self._belts[name] = mimic.joint
+            stiffness = (BELT if name in self._belts else TIE) * self.description.drives[mimic.joint].stiffness
             self.body.create_fixed_tendon(
                 [other.parent_link, other.child_link, child],
                 [0.0, -ratio, 1.0],
@@ -256,6 +267,7 @@ class SimRobot:
                 stiffness=stiffness,
                 damping=TIE_TIME * stiffness,
             )
+        self._aimed = [(self._rows[name], mimic) for name, mimic in mimics.items() if name not in self._belts]
 
     def _let_neighbours_pass(self) -> None:
         fingers = list(self.description.finger_links.values())

@@ -2,7 +2,7 @@
 
 Whatever moves the hand, a stroke is its way between two points where it turns back, along an axis of the world. A shake
 has enough strokes, long and quick enough, along each axis. How objects lie in the hand is compared with how they lay
-when its first stroke began.
+when its first stroke had begun.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ BACK = 0.2
 """A hand that has come back by this part of the amplitude has turned."""
 PAUSE = 2.0
 """Strokes that come later than this after the last one belong to another shake [s]."""
-PERIOD = 1 / 60
-"""Interval between two looks [s]."""
+LOOKS = 20
+"""In a period: a hand's point of return is missed by 1 % of the amplitude at most, and falls take longer."""
 
 
 class ShakeConfig(Settings):
@@ -46,18 +46,20 @@ class ShakeConfig(Settings):
 class _Seen(NamedTuple):
     place: float
     time: float
-    held: Callable[[], Mapping[str, Pose]]
+    held: Mapping[str, Pose]
 
 
 class Shaking:
     """Watches a hand, and tells which objects have stayed in it.
 
     Args:
-        look: returns where the hand is, shape (3,) [m], and what computes the pose of each object in it then.
+        where: returns where the hand is, shape (3,) [m].
+        held: returns the pose of each object in it.
     """
 
-    def __init__(self, said: ShakeConfig, look: Callable[[], tuple[Array, Callable[[], Mapping[str, Pose]]]]):
-        self._said, self._look = said, look
+    def __init__(self, said: ShakeConfig, where: Callable[[], Array], held: Callable[[], Mapping[str, Pose]]):
+        self._said, self._where, self._held = said, where, held
+        self.due = -np.inf
         self._turned, self._furthest = list[_Seen](), list[_Seen]()
         self._strokes, self._needed = np.zeros(3, dtype=int), int(2 * said.frequency * said.seconds) - 1
         self._last = self._looked = self._end = -np.inf
@@ -69,36 +71,33 @@ class Shaking:
         """How many objects were held through the last shake, and still are as they were; 0 before its end."""
         return len(self._stayed) if (self._strokes >= self._needed).all() else 0
 
-    def stepped(self, time: float) -> None:
-        """Look at where things are."""
-        if time - self._looked < PERIOD:
-            return
-        hand, held = self._look()
-        self._looked, here = time, [_Seen(place, time, held) for place in hand.tolist()]
-        self._furthest, self._turned = self._furthest or list(here), self._turned or list(here)
-        for axis in range(3):
-            self._follow(axis, here[axis])
+    def look(self, time: float) -> None:
+        """Look at where things are at a time [s]; from `due` on."""
+        self._looked, self.due, here = time, time + 1 / (LOOKS * self._said.frequency), self._where().tolist()
+        if not self._turned:
+            self._turned = [_Seen(place, time, self._held()) for place in here]
+            self._furthest = list(self._turned)
+        for axis, (place, begun, end) in enumerate(zip(here, self._turned, self._furthest, strict=True)):
+            way = place - end.place
+            if way * (end.place - begun.place) >= 0:
+                self._furthest[axis] = _Seen(place, time, {})
+            elif abs(way) > BACK * self._said.amplitude:
+                self._turn(axis, begun, end)
+                self._turned[axis], self._furthest[axis] = end._replace(held=self._held()), _Seen(place, time, {})
         if self._stayed:
-            stay, now = self._stayed.items(), held()
-            self._stayed = {name: before for name, before in stay if self._as_before(before, now[name])}
+            stay, now = self._stayed.items(), self._held()
+            self._stayed = {name: before for name, before in stay if name in now and self._as_before(before, now[name])}
 
-    def _follow(self, axis: int, here: _Seen) -> None:
-        begun, end = self._turned[axis], self._furthest[axis]
-        if (here.place - end.place) * (end.place - begun.place) >= 0:
-            self._furthest[axis] = here
-        elif abs(here.place - end.place) > BACK * self._said.amplitude:
-            length = abs(end.place - begun.place) / (2 * self._said.amplitude)
-            if SHORT <= length <= 1 / SHORT and end.time - begun.time <= SLOW / (2 * self._said.frequency):
-                self._stroke(axis, begun, end.time)
-            self._turned[axis], self._furthest[axis] = end, here
-
-    def _stroke(self, axis: int, begun: _Seen, end: float) -> None:
+    def _turn(self, axis: int, begun: _Seen, end: _Seen) -> None:
+        length = abs(end.place - begun.place) / (2 * self._said.amplitude)
+        if not SHORT <= length <= 1 / SHORT or end.time - begun.time > SLOW / (2 * self._said.frequency):
+            return
         started = (self._strokes > 0) & (self._strokes < self._needed)
         stray = begun.time != self._end and started.any()  # what came before was an arm's overshoot
         if stray or self._looked - self._last > PAUSE:
             self._strokes[:] = 0
-            self._stayed = dict(begun.held())
-        self._last, self._end = self._looked, end
+            self._stayed = dict(begun.held)
+        self._last, self._end = self._looked, end.time
         self._strokes[axis] += 1
 
     def _as_before(self, before: Pose, now: Pose) -> bool:

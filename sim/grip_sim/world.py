@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import hypot
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -32,14 +33,14 @@ from grip_sim.touch import Slipping, wrist_wrench
 
 
 class Contact(NamedTuple):
-    """Two bodies that touch.
+    """A body that touches another.
 
     Attributes:
-        push: force on the first along the surface's normal, without friction, in world [N].
+        push: force on it along the surface's normal, without friction, in world [N].
     """
 
-    first: str
-    second: str
+    body: str
+    other: str
     push: Vector
 
     @property
@@ -47,16 +48,12 @@ class Contact(NamedTuple):
         """How hard they press on each other [N]."""
         return float(np.linalg.norm(self.push))
 
-    def push_on(self, name: str) -> Vector:
-        """Return the force on one of the two, in world [N]."""
-        x, y, z = self.push
-        return (x, y, z) if name == self.first else (-x, -y, -z)
-
 
 TOUCH = 1e-3
 """Contact forces below this are none [N]."""
-FEELING = 1 / 80
-"""Interval at which a regulated force is felt [s]: asking for contacts takes as long as a step."""
+FEELING, SELDOM = 1 / 80, 4
+"""Interval at which a regulated force is felt [s], as asking for contacts takes as long as a step; and so many times
+that while it is as it is to be."""
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 """PhysX cylinders lie along x."""
 FLOOR, FLOOR_SIZE, FLOOR_DEPTH, FLOOR_COLOUR = "floor", 20.0, 1.0, (92, 94, 98)
@@ -95,7 +92,8 @@ class World:
         self.steps = 0
         """How often it was advanced."""
         self._moved: dict[str, sapien.Entity] = {}  # SAPIEN goes on naming them in contacts, removed ones too
-        self._pressed: dict[str, float] = {}
+        self._felt = defaultdict[str, tuple[float, int]](lambda: (0.0, 0))
+        """How hard hands press whose force is regulated [N], and the step with which that is felt again."""
         self._feeling = max(1, round(FEELING / spec.dt))
         self.faults = Faults(spec.faults, spec.seed, self)
         links = [Target(link, link.name, c) for each in self.articulated.values() for link, c in each.links.items()]
@@ -119,16 +117,13 @@ class World:
         self.physics()
         self.steps += 1
         self._moved.clear()
-        if self._pressed:
-            self._pressed = {hand: force for hand, force in self._pressed.items() if hand in self.robot.pressing}
         for hand, rows in self.robot.pressing.items():
-            steps = self._feeling if self._pressed.get(hand) else 1  # what isn't touched yet may be with any step
-            if self.steps % steps == 0:
-                self._pressed.pop(hand, None)
-                self.robot.regulate(rows, self.pressed(hand), steps * self.spec.dt)
-        if self._shaking is not None:
-            self._shaking.stepped(self.time)
-        self.cameras.stepped(self.time)
+            if self.steps >= self._felt[hand][1]:
+                self._regulate(hand, rows)
+        time = self.time
+        if self._shaking is not None and time >= self._shaking.due:
+            self._shaking.look(time)
+        self.cameras.stepped(time)
 
     def object_pose(self, name: str) -> Pose:
         """Return the pose of an object's centre in world."""
@@ -145,7 +140,7 @@ class World:
         set_moving(body, np.array([*pose.position, *pose.quaternion, *np.zeros(6)]))
         body.wake_up()
         self._moved[name] = body.entity
-        self._pressed.clear()
+        self._felt.clear()
 
     def spawn(self, spec: ObjectSpec) -> None:
         """Add an object. Raises ValueError where something has its name."""
@@ -158,7 +153,7 @@ class World:
         """Take an object away. Raises UnknownNameError where there is no such object."""
         self._moved[name] = entity = self._object(name).entity
         entity.remove_from_scene()
-        self._pressed.clear()
+        self._felt.clear()
         self.faults.forget(name)
         del self._objects[name]
         self._liquids.remove(name)
@@ -175,8 +170,8 @@ class World:
 
     def held_objects(self) -> list[str]:
         """Return the objects that a hand touches."""
-        pairs = {pair for contact in self.contacts() for pair in (contact[:2], contact[1::-1])}
-        return [name for name in self._objects if any((name, link) in pairs for link in self.robot.hand_links)]
+        touched = {contact.body for contact in self.contacts() if contact.other in self.robot.hand_links}
+        return [name for name in self._objects if name in touched]
 
     def let_slip(self, name: str, slips: bool) -> None:
         """Have an object pass through hands, or not any more."""
@@ -198,12 +193,12 @@ class World:
         return _pose(self._links[name].entity_pose)
 
     def contacts(self) -> Iterator[Contact]:
-        """Yield the contacts of the last step that carry a force; those of objects moved since then are void."""
+        """Yield the contacts of the last step that carry a force, of both bodies; of those moved since then none."""
         for contact in self._scene.get_contacts():
             one, two = (body.entity.name for body in contact.bodies)
             if self._force(contact) > TOUCH and self._moved.keys().isdisjoint((one, two)):
                 x, y, z = (_impulse(contact) / self.spec.dt).tolist()
-                yield Contact(one, two, (x, y, z))
+                yield from (Contact(one, two, (x, y, z)), Contact(two, one, (-x, -y, -z)))
 
     def hand_contacts(self, hand: str) -> Mapping[str, float]:
         """Return the contact force [N] of each link of a hand that touches something that isn't the robot."""
@@ -239,20 +234,26 @@ class World:
 
     def wrench(self, hand: str) -> Mapping[str, Array]:
         """Return what a hand bears from outside; see `touch.wrist_wrench`."""
-        touching = {name for contact in self.contacts() for name in contact[:2]}
+        touching = {contact.body for contact in self.contacts()}
         return wrist_wrench(self.robot.body, self._fingers[hand], touching)
 
     def pressed(self, hand: str) -> float:
         """Return how hard a hand presses on objects [N], as felt last: half of all forces, as sides are opposed."""
-        if hand not in self._pressed:
-            impulses = [_impulse(contact) for _, _, contact in self._holding(hand)]
-            pushes = np.sqrt(np.array([impulse.dot(impulse) for impulse in impulses], np.float32)).tolist()
-            self._pressed[hand] = sum(push / self.spec.dt for push in pushes) / 2
-        return self._pressed[hand]
+        pressed, due = self._felt[hand]
+        return pressed if self.steps < due and hand in self.robot.pressing else self._feel(hand)
+
+    def _feel(self, hand: str) -> float:
+        return sum(self._force(contact) for _, _, contact in self._holding(hand)) / 2
+
+    def _regulate(self, hand: str, rows: Sequence[int]) -> None:
+        pressed = self._feel(hand)
+        steps = self._feeling if pressed else 1  # what isn't touched yet may be with any step
+        if not self.robot.regulate(rows, pressed, steps * self.spec.dt):
+            steps *= SELDOM
+        self._felt[hand] = pressed, self.steps + steps
 
     def _force(self, contact: physx.PhysxContact) -> float:
-        impulse = _impulse(contact)
-        return float(np.sqrt(impulse.dot(impulse))) / self.spec.dt
+        return hypot(*_impulse(contact).tolist()) / self.spec.dt
 
     def _holding(self, hand: str) -> Iterator[tuple[Any, Any, physx.PhysxContact]]:
         """Yield the contacts of a hand's links and what isn't fixed, with the link and the body."""
@@ -297,7 +298,7 @@ class World:
         volumes = kept["liquids"]
         self.robot.put_back(kept)
         self._shaking = self._watch()
-        self._pressed.clear()
+        self._felt.clear()
         self._liquids.put_back(volumes)
         for name, state in states.items():
             self.articulated[name].put_back(state)
@@ -311,12 +312,13 @@ class World:
         return hashlib.sha256(state.astype(np.float32).tobytes()).hexdigest()
 
     def _watch(self) -> Shaking | None:
-        return None if self.spec.shake is None else Shaking(self.spec.shake, self._in_hand)
+        if self.spec.shake is None:
+            return None
+        palm = self._links[self.robot.description.grasp_frame.link]
+        return Shaking(self.spec.shake, lambda: palm.entity_pose.p, lambda: self._seen_from(palm.entity_pose.inv()))
 
-    def _in_hand(self) -> tuple[Array, Callable[[], dict[str, Pose]]]:
-        palm = self._links[self.robot.description.grasp_frame.link].entity_pose
-        poses = {name: body.entity_pose for name, body in self._objects.items()}
-        return palm.p, lambda: {name: _pose(palm.inv() * pose) for name, pose in poses.items()}
+    def _seen_from(self, place: sapien.Pose) -> dict[str, Pose]:
+        return {name: _pose(place * body.entity_pose) for name, body in self._objects.items()}
 
     def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
         if name not in self._objects:

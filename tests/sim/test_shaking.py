@@ -17,13 +17,14 @@ class Hand:
 
     def __init__(self):
         self.time, self.place, self.thing = 0.0, np.zeros(3), Pose()
-        self.watch = Shaking(SAID, lambda: (self.place, {"thing": self.thing}.copy))
+        self.watch = Shaking(SAID, lambda: self.place, lambda: {"thing": self.thing} if self.thing else {})
 
     def follow(self, ways):
         for way in ways:
             self.place = np.asarray(way)
             self.time += STEP
-            self.watch.stepped(self.time)
+            if self.time >= self.watch.due:
+                self.watch.look(self.time)
         return self.watch.count
 
     def swing(self, axis, amplitude=SAID.amplitude, frequency=SAID.frequency, seconds=SAID.seconds):
@@ -88,6 +89,12 @@ def test_what_moves_further_in_the_hand_than_the_world_says_was_not_held_even_wh
 def test_what_is_dropped_after_the_shake_is_not_held_any_more(hand):
     assert [hand.swing(axis) for axis in range(3)][-1] == 1
     hand.thing = Pose([0, 0, -0.5])
+    assert hand.follow([hand.place] * 10) == 0
+
+
+def test_what_is_taken_away_after_the_shake_is_not_held_any_more(hand):
+    assert [hand.swing(axis) for axis in range(3)][-1] == 1
+    hand.thing = None
     assert hand.follow([hand.place] * 10) == 0
 
 

@@ -81,6 +81,17 @@ def test_what_two_fingers_hold_slips_at_half_its_weight_over_the_friction(name, 
     assert np.mean(forces[-48:-24]) == pytest.approx(should, rel=0.1)
 
 
+@pytest.mark.parametrize("name", ["panda", "ur5_gripper", "ur5_robotiq"])
+def test_a_force_that_is_as_told_stays_so_and_another_one_is_soon_pressed_with(name):
+    world, rows = held(0.5, 6.0, name, stand=True)
+    run(world, 1.0)
+    limits = world.robot.kept()["limits"]
+    assert run(world, 0.5) == pytest.approx(6.0, rel=0.02)
+    assert (world.robot.kept()["limits"] == limits).all()
+    world.robot.press(rows, 9.0)
+    assert run(world, 0.6)[-1] == pytest.approx(9.0, rel=0.05)
+
+
 def test_a_hand_that_closes_without_a_force_regulates_none_any_more():
     world, rows = held(0.5, 4.0, "ur5_gripper")
     world.robot.limit_torque(rows, None)

@@ -120,7 +120,7 @@ def test_a_palm_is_of_the_hand_though_no_joint_of_the_hand_moves_it():
     robot = load_robot("shadow_right")
     assert robot.grasp_frame.link not in robot.hand_links
     for bearer, status in (("rh_palm", "held"), ("rh_forearm", "elsewhere")):
-        touched = [Contact("thing", bearer, (0.0, 0.0, 2.0)), Contact("rh_ffdistal", "thing", (1.0, 0.0, 0.0))]
+        touched = [Contact("thing", bearer, (0.0, 0.0, 2.0)), Contact("thing", "rh_ffdistal", (-1.0, 0.0, 0.0))]
         world = SimpleNamespace(
             spec=spec,
             contacts=lambda touched=touched: touched,

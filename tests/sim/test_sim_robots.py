@@ -72,6 +72,22 @@ def test_the_second_finger_of_a_gripper_follows_the_first():
     assert fingers.position == pytest.approx([0.01, 0.01], abs=1e-3)
 
 
+@pytest.mark.parametrize("stuck", ["panda_finger_joint1", "panda_finger_joint2"])
+def test_neither_finger_moves_while_one_of_two_that_slide_together_is_stuck(stuck):
+    from grip_sim.faults import NOWHERE
+    from grip_sim.world import World
+
+    world = World(WorldSpec(robot="panda"))
+    both = world.robot.rows(("panda_finger_joint1", "panda_finger_joint2"))
+    begin = world.robot.positions()[both]
+    for between, moved in ((NOWHERE, 0.0), (None, 0.02)):
+        world.robot.restrict(stuck, between)
+        world.robot.drive(both[:1], begin[:1] - 0.02)
+        for _ in range(120):
+            world.step()
+        assert begin - world.robot.positions()[both] == pytest.approx([moved, moved], abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("name", "holding"), [("ur5_gripper", (0.01, 0.02)), ("ur5_robotiq", (0.3, 0.7)), ("xarm7_gripper", (0.3, 0.75))]
 )

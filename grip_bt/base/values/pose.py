@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import atan2, cos, hypot, isfinite, sin, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from grip_bt.base.arrays import Array, ComparesArrays, frozen_array
+
+Number = TypeVar("Number", float, Array)
+
+
+def rotation_rows(w: Number, x: Number, y: Number, z: Number) -> list[list[Number]]:
+    """Return the rows of the rotation matrix of a unit quaternion, or of many at once."""
+    return [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,14 +76,7 @@ class Pose(ComparesArrays):
 
     def rotation(self) -> Array:
         """Return the rotation matrix, shape (3, 3)."""
-        w, x, y, z = self.quaternion.tolist()
-        return np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-            ]
-        )
+        return np.array(rotation_rows(*self.quaternion.tolist()))
 
     def rotation_vector(self) -> Array:
         """Return the axis of the rotation, as long as its angle, at most pi [rad]; shape (3,)."""

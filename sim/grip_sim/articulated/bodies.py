@@ -22,7 +22,6 @@ from .model import WALL, ArticulatedConfig, ButtonConfig, DrawerConfig, PipetteC
 
 ALONG_Z = sapien.Pose(q=[np.sqrt(0.5), 0, -np.sqrt(0.5), 0])
 """Turns x, along which joints and cylinders lie, to z."""
-UPWARDS = ALONG_Z
 BACKWARDS = sapien.Pose(q=[0, 0, 0, 1])
 """Turns x to -x."""
 DOWNWARDS = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
@@ -45,6 +44,8 @@ class Articulated:
 
     body: physx.PhysxArticulation
     links: Mapping[physx.PhysxRigidBodyComponent, Colour]
+    own: tuple[str, ...] = ()
+    """Attributes, numbers, that are kept besides joints and the root."""
 
     def before_step(self) -> None:
         """Apply what its joints do by themselves."""
@@ -71,10 +72,12 @@ class Articulated:
 
     def extra(self) -> Array:
         """Return what is kept besides joints and the root."""
-        return np.zeros(0)
+        return np.array([getattr(self, name) for name in self.own], float)
 
     def put_back_extra(self, extra: Array) -> None:
         """Bring that back."""
+        for name, number in zip(self.own, extra.tolist(), strict=True):
+            setattr(self, name, number)
 
 
 def moving(body: physx.PhysxRigidBodyComponent) -> Array:
@@ -192,6 +195,8 @@ class _Drawer(Articulated):
 class _Button(Articulated):
     """Its force rises to the click, falls behind it to two fifths of that, and rises again."""
 
+    own = ("_pressed", "_count")
+
     def __init__(self, scene: sapien.Scene, name: str, said: ButtonConfig, pose: Pose):
         self._said, self._pressed, self._count = said, False, 0
         r, t = said.radius, said.travel
@@ -241,12 +246,6 @@ class _Button(Articulated):
     def measures(self) -> Mapping[str, float]:
         return {"presses": float(self._count)}
 
-    def extra(self) -> Array:
-        return np.array([self._pressed, self._count], float)
-
-    def put_back_extra(self, extra: Array) -> None:
-        self._pressed, self._count = bool(extra[0]), int(extra[1])
-
 
 def _add_cylinder(builder: Builder, radius: float, height: float, mass: float, middle: float) -> None:
     """Add an upright cylinder of a mass [kg] whose middle is at a height [m]."""
@@ -268,8 +267,8 @@ class _ScrewBottle(Articulated):
 
         links = {
             name: ("", (0.0, 0.0), sapien.Pose(), bottle),
-            f"{name}_thread": ("prismatic", (0.0, travel + 0.001), UPWARDS, _light(0.002)),
-            f"{name}_cap": ("revolute_unwrapped", (-0.001, 2 * np.pi * said.turns + 1), UPWARDS, self._shape_cap),
+            f"{name}_thread": ("prismatic", (0.0, travel + 0.001), ALONG_Z, _light(0.002)),
+            f"{name}_cap": ("revolute_unwrapped", (-0.001, 2 * np.pi * said.turns + 1), ALONG_Z, self._shape_cap),
         }
         self.body = _build(scene, pose, links, said.held)
         self._cap, self._stood = self.body.links[2], self.body.links[0].entity_pose
@@ -331,6 +330,8 @@ class _ScrewBottle(Articulated):
 class _Pipette(Articulated):
     """A handle with a shaft below, a collar that lies on a finger, and a plunger that a spring presses up."""
 
+    own = ("_pressed", "_holds", "_air")
+
     def __init__(self, scene: sapien.Scene, name: str, said: PipetteConfig, pose: Pose, liquids: Liquids):
         self._said, self._liquids = said, liquids
         self._pressed = self._holds = self._air = 0.0
@@ -381,9 +382,3 @@ class _Pipette(Articulated):
 
     def measures(self) -> Mapping[str, float]:
         return {"pressed": self._pressed, "holds": self._holds}
-
-    def extra(self) -> Array:
-        return np.array([self._pressed, self._holds, self._air])
-
-    def put_back_extra(self, extra: Array) -> None:
-        self._pressed, self._holds, self._air = (float(number) for number in extra)

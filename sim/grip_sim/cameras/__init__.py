@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from grip_bt.base.arrays import Array
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.values import Pose
+from grip_bt.base.values.pose import rotation_rows
 from grip_sim.specs import Colour
 
 LIGHT = np.array([0.35, -0.25, 0.9]) / np.linalg.norm([0.35, -0.25, 0.9])
@@ -63,12 +64,7 @@ class Places(NamedTuple):
     def of(cls, rows: Array | Sequence[Sequence[float]]) -> Places:
         """Return them from rows x y z and a quaternion w x y z."""
         rows = np.asarray(rows, float).reshape(-1, 7)
-        w, x, y, z = (rows[:, 3:] / np.linalg.norm(rows[:, 3:], axis=1, keepdims=True)).T
-        turns = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
+        turns = rotation_rows(*(rows[:, 3:] / np.linalg.norm(rows[:, 3:], axis=1, keepdims=True)).T)
         return cls(np.array(turns).transpose(2, 0, 1), rows[:, :3])
 
 

@@ -33,18 +33,18 @@ class Rig:
         faults: Faults,
         scene: sapien.Scene,
     ):
-        self._faults, self._last, self._scene = faults, dict[str, Frame](), scene
+        self._faults, self._last, self._scene, self._pack = faults, dict[str, Frame](), scene, scene.pack_poses
         self._seed = spec.seed
         self._specs = {camera.name: camera for camera in spec.cameras}
         carriers = dict.fromkeys(camera.link for camera in spec.cameras if camera.link is not None)
-        for name in carriers:
-            if name not in links:
-                raise UnknownNameError("link", name, links, "a camera's `link`")
+        for name in carriers.keys() - links.keys():
+            raise UnknownNameError("link", name, links, "a camera's `link`")
         self._carriers = {name: links[name] for name in carriers}
         self._taken = dict.fromkeys(self._specs, 0)
         self._renderers: dict[CameraSpec, Renderer] = {}
         self._latency = max((camera.noise.latency for camera in spec.cameras if camera.noise is not None), default=0.0)
-        self._past: deque[tuple[float, bytes, list[int]]] = deque(maxlen=0)
+        self._past: deque[bytes] = deque(maxlen=0)
+        """Where everything was, after each of the last steps."""
         self._dt, self._time = spec.dt, 0.0
         self.remember(max((fault.lag or 0.0 for fault in spec.faults.values()), default=0.0))
         self.show(targets)
@@ -59,29 +59,26 @@ class Rig:
     def show(self, targets: Sequence[Target]) -> None:
         """See these bodies from now on, in place of all others."""
         self.targets = tuple(targets)
-        self._bodies = [*(target.body for target in targets), *self._carriers.values()]
         self._rows = {name: len(targets) + i for i, name in enumerate(self._carriers)}
         self._find()
         self._renderers.clear()
-        self._past.clear()
-        self.stepped(self._time)
 
     def replaced(self, old: physx.PhysxRigidBaseComponent, new: physx.PhysxRigidBaseComponent) -> None:
         """Show a body where another of the same shape is from now on."""
         self.targets = tuple(replace(each, body=new) if each.body is old else each for each in self.targets)
-        self._bodies = [new if body is old else body for body in self._bodies]
         self._find()
 
     def _find(self) -> None:
         """Find where in the scene's poses those of the bodies are."""
         places = {entity: row for row, entity in enumerate(self._scene.entities)}
-        self._places = [places[body.entity] for body in self._bodies]
+        self._places = [places[b.entity] for b in (*(each.body for each in self.targets), *self._carriers.values())]
+        self._past.clear()
 
     def stepped(self, time: float) -> None:
         """Keep where everything is after a step [s], for cameras that show it late."""
         self._time = time
         if self._past.maxlen:
-            self._past.append((time, self._scene.pack_poses(), self._places))
+            self._past.append(self._pack())
 
     def look(self, name: str) -> Frame:
         """Take a frame with a camera, as its sensor gives it. Raises UnknownNameError where there is no such camera."""
@@ -112,26 +109,22 @@ class Rig:
 
     def view(self, camera: str | CameraSpec) -> Frame:
         """Show what is there now by a camera, or one that isn't among them, without its sensor's faults; see `look`."""
-        return self._drawn(self._spec(camera) if isinstance(camera, str) else camera, self._time, self._now())
+        return self._drawn(self._spec(camera) if isinstance(camera, str) else camera, *self._shown(0.0))
 
     def pose(self, name: str) -> Pose:
         """Return the optical frame of a camera in world, as it is now; see `look`."""
-        return self._pose(self._spec(name), self._now())
+        return self._pose(self._spec(name), self._shown(0.0)[1])
 
     def _spec(self, name: str) -> CameraSpec:
         if name not in self._specs:
             raise UnknownNameError("camera", name, self._specs)
         return self._specs[name]
 
-    def _now(self) -> Array:
-        return _poses(self._scene.pack_poses(), self._places)
-
     def _shown(self, latency: float) -> tuple[float, Array]:
-        """Return the last time at least `latency` ago [s], or the first one known, and where everything was."""
-        if not latency:
-            return self._time, self._now()
-        known = [past for past in self._past if past[0] <= self._time - latency + 1e-9] or list(self._past)[:1]
-        return (known[-1][0], _poses(*known[-1][1:])) if known else (self._time, self._now())
+        """Return the last time at least `latency` ago [s], or the first one known, and where bodies were then."""
+        ago = min(int(np.ceil(latency / self._dt - 1e-6)), max(len(self._past) - 1, 0))
+        packed = np.frombuffer(self._past[-1 - ago] if ago else self._pack(), np.float32).reshape(-1, 7)
+        return self._time - ago * self._dt, np.roll(packed[self._places], 3, axis=1).astype(float)
 
     def _pose(self, spec: CameraSpec, rows: Array) -> Pose:
         pose = spec.info().pose
@@ -145,11 +138,6 @@ class Rig:
             self._renderers[spec] = make_renderer(spec, self.targets)
         renderer = self._renderers[spec]
         return replace(renderer.draw(self._pose(spec, rows), Places.of(rows[: len(self.targets)])), time=time)
-
-
-def _poses(packed: bytes, places: Sequence[int]) -> Array:
-    """Return rows x y z, w x y z of some bodies, of the poses of a whole scene, where turns come first."""
-    return np.roll(np.frombuffer(packed, np.float32).reshape(-1, 7)[places], 3, axis=1).astype(float)
 
 
 def make_renderer(spec: CameraSpec, targets: Sequence[Target]) -> Renderer:
