@@ -1,9 +1,5 @@
 """`grip import --from pytrees`: XML is read, code is run only when somebody says so, in a process of its own."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 
 from grip_bt.task import loads
@@ -34,16 +30,12 @@ tree = py_trees.trees.BehaviourTree(build())
 
 
 @pytest.fixture
-def grip(tmp_path):
+def grip(tmp_path, typed, monkeypatch):
     (tmp_path / "tree.xml").write_text(XML)
     (tmp_path / "mine.py").write_text(CODE)
-
-    def call(*arguments):
-        command = [sys.executable, "-m", "grip_bt.cli.__main__", *map(str, arguments)]
-        environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-        return subprocess.run(command, capture_output=True, text=True, timeout=600, cwd=tmp_path, env=environment)
-
-    return call
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    monkeypatch.chdir(tmp_path)
+    return typed
 
 
 def test_an_xml_file_becomes_a_task_on_stdout(grip):

@@ -1,7 +1,5 @@
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -9,9 +7,9 @@ import pytest
 DATA = Path(__file__).parents[1] / "formats" / "smach" / "data"
 
 
-def grip(*arguments):
-    command = [sys.executable, "-m", "grip_bt.cli.__main__", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=600)
+@pytest.fixture
+def grip(typed):
+    return typed
 
 
 @pytest.fixture
@@ -24,7 +22,7 @@ def legacy(tmp_path):
     return copy
 
 
-def test_an_imported_machine_is_checked_and_run_by_the_usual_verbs(legacy, tmp_path):
+def test_an_imported_machine_is_checked_and_run_by_the_usual_verbs(grip, legacy, tmp_path):
     task = tmp_path / "out" / "pick.yaml"
     done = grip("import", legacy("pick_mug.py"), "--from", "smach", "--execute", "-o", task)
     assert (done.returncode, done.stdout.split("\n")[0]) == (0, "pick_mug.py: 1 exact")
@@ -34,7 +32,7 @@ def test_an_imported_machine_is_checked_and_run_by_the_usual_verbs(legacy, tmp_p
         assert (ran.returncode, json.loads(ran.stdout)["outcome"]) == (0, "succeeded")
 
 
-def test_a_folder_is_imported_file_by_file_and_what_failed_is_the_exit_status(legacy, tmp_path):
+def test_a_folder_is_imported_file_by_file_and_what_failed_is_the_exit_status(grip, legacy, tmp_path):
     for name in ("loops.py", "py2_counter.py", "dynamic_goals.py"):
         legacy(name)
     done = grip("import", tmp_path, "--from", "smach", "--execute", "-o", tmp_path / "tasks")
@@ -46,13 +44,13 @@ def test_a_folder_is_imported_file_by_file_and_what_failed_is_the_exit_status(le
     assert grip("run", tmp_path / "tasks" / "py2_counter_create.yaml", "--robot", "fake").returncode == 0
 
 
-def test_without_output_nothing_is_written(legacy, tmp_path):
+def test_without_output_nothing_is_written(grip, legacy, tmp_path):
     file = legacy("loops.py")
     assert grip("import", file, "--from", "smach", "--execute").returncode == 0
     assert list(tmp_path.iterdir()) == [file]
 
 
-def test_a_file_of_a_person_is_not_overwritten(legacy, tmp_path):
+def test_a_file_of_a_person_is_not_overwritten(grip, legacy, tmp_path):
     task = tmp_path / "task.yaml"
     task.write_text("mine")
     done = grip("import", legacy("loops.py"), "--from", "smach", "--execute", "-o", task)
@@ -62,7 +60,7 @@ def test_a_file_of_a_person_is_not_overwritten(legacy, tmp_path):
     assert not (tmp_path / "nodes").exists()
 
 
-def test_execution_is_asked_for_and_takes_arguments_from_a_file(legacy, tmp_path):
+def test_execution_is_asked_for_and_takes_arguments_from_a_file(grip, legacy, tmp_path):
     file, given = legacy("executed/given_rooms.py"), tmp_path / "given.json"
     given.write_text(json.dumps({"CleanAll": {"rooms": ["bath", "attic"]}}))
     assert "1 partial" in grip("import", file, "--from", "smach").stdout
@@ -80,12 +78,12 @@ def test_execution_is_asked_for_and_takes_arguments_from_a_file(legacy, tmp_path
         ((str(DATA.parent / "broken"), "--from", "smach"), 1, "there is no such file"),
     ],
 )
-def test_wrong_use_is_explained(arguments, status, words):
+def test_wrong_use_is_explained(grip, arguments, status, words):
     done = grip("import", *arguments)
     assert (done.returncode, words in done.stderr) == (status, True), done.stderr
 
 
-def test_what_is_no_python_of_any_age_is_named_with_its_line(tmp_path):
+def test_what_is_no_python_of_any_age_is_named_with_its_line(grip, tmp_path):
     file = tmp_path / "broken.py"
     file.write_text("import smach\nprint 'a'\nwith sm\n")
     done = grip("import", file, "--from", "smach")
