@@ -14,25 +14,15 @@ import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import wraps
 from types import BuiltinFunctionType, FrameType, FunctionType, MethodType
 from typing import Any
 
 from grip_bt.nodes import stand_ins
-from grip_bt.nodes.stand_ins import (
-    StandIn,
-    StandInModule,
-    asked_once,
-    held_by,
-    lifted,
-    name_of,
-    stand_in,
-    stands_in,
-    surely,
-    value_of,
-)
+from grip_bt.nodes.stand_ins import StandIn, asked_once, lifted, name_of, stand_in, stands_in, surely, value_of
 
-NAMES = IS, CALL, STAR, SET, MOD, TEXT, IDLE, MAYBE = tuple(
-    f"__grip_{name}__" for name in "is call star set mod text idle maybe".split()
+NAMES = IS, CALL, STAR, SET, MOD, TEXT, IDLE, MAYBE, SAID = tuple(
+    f"__grip_{name}__" for name in "is call star set mod text idle maybe said".split()
 )
 Tries = list[tuple[range, str]]
 """The lines of each `try` of a file, and what it takes."""
@@ -63,6 +53,11 @@ class _Tracking(ast.NodeTransformer):
                 functions = ast.Lambda(_NONE, ast.Tuple(called, ast.Load()))
                 node.test = _calling(IDLE, test, test, ast.Constant(test is not node.test), functions)
         return node
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        if node.name in ("__str__", "__repr__"):
+            node.decorator_list.append(ast.copy_location(ast.Name(SAID, ast.Load()), node))
+        return self.generic_visit(node)
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         self.generic_visit(node)
@@ -129,7 +124,7 @@ def tracked(tree: ast.Module) -> tuple[ast.Module, Tries]:
 
 def install() -> None:
     """Give compiled code its functions."""
-    for name, function in zip(NAMES, (_is, _call, _star, TrackedSet, _mod, _text, _idle, _maybe), strict=True):
+    for name, function in zip(NAMES, (_is, _call, _star, TrackedSet, _mod, _text, _idle, _maybe, _said), strict=True):
         setattr(builtins, name, function)
 
 
@@ -199,6 +194,11 @@ def _text(*parts: Any) -> Any:
     return joined(*parts) if unknown is None else surely(str, lifted(joined, f"text with {name_of(unknown)}", *parts))
 
 
+def _said(method: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Have a method return a text, where it would return one that stands in, which Python doesn't take."""
+    return wraps(method)(lambda self: str(made) if stands_in(made := method(self)) else made)
+
+
 def _sure_class(value: Any) -> Any:
     kind = value._stand_in_class if stands_in(value) else None
     return None if kind is object else kind
@@ -253,8 +253,8 @@ def _untracked(value: Any) -> Any:
 def _hasattr(value: Any, name: str) -> bool:
     if (sure := _sure_class(value)) is not None:
         return hasattr(sure, name)
-    if isinstance(value, (StandInModule, StandIn)) and name not in vars(value):
-        known_as = value.__name__ if isinstance(value, StandInModule) else name_of(value)
+    if isinstance(value, (stand_ins.StandInModule, StandIn)) and name not in vars(value):
+        known_as = value.__name__ if isinstance(value, stand_ins.StandInModule) else name_of(value)
         held = value_of(value) if stands_in(value) else stand_ins.UNKNOWN
         return asked_once(value, f"hasattr({known_as}, {name!r})", held is stand_ins.UNKNOWN or hasattr(held, name))
     return hasattr(value, name)
@@ -262,7 +262,7 @@ def _hasattr(value: Any, name: str) -> bool:
 
 def _getattr(value: Any, name: Any, *default: Any) -> Any:
     name = _plain_text(name)
-    if default and isinstance(value, (StandInModule, StandIn)) and not _hasattr(value, name):
+    if default and isinstance(value, (stand_ins.StandInModule, StandIn)) and not _hasattr(value, name):
         return default[0]
     return getattr(value, name, *default)
 
@@ -352,7 +352,7 @@ class _Spread:
 
 
 def _star(value: Any) -> Any:
-    return [_Spread(value)] if stands_in(value) and held_by(value) is stand_ins.UNKNOWN else value
+    return [_Spread(value)] if stands_in(value) and stand_ins.held_by(value) is stand_ins.UNKNOWN else value
 
 
 def _as_seen(value: Any) -> Any:

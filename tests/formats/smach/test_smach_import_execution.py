@@ -474,6 +474,27 @@ def test_what_stays_as_it_is_while_a_machine_is_built_is_asked_once(tmp_path):
     assert verdicts(recorded(tmp_path, "import rospy, smach\n" + OFTEN)) == ["exact"]
 
 
+SAID = """
+import elsewhere
+
+class Place:
+    def METHOD(self):
+        return 'at {}'.format(elsewhere.room)
+
+sm = smach.StateMachine(outcomes=['there', 'lost'])
+with sm:
+    smach.StateMachine.add(LABEL, Go())
+"""
+
+
+@pytest.mark.parametrize("label", ["'go %r' % Place()", "f'go {Place()}'", "'go {}'.format(Place())", "str(Place())"])
+def test_a_text_that_an_object_makes_of_what_is_unknown_is_one(label, tmp_path):
+    text = SAID.replace("METHOD", "__repr__" if "%r" in label else "__str__").replace("LABEL", label)
+    imported = recorded(tmp_path, text)
+    assert verdicts(imported) == ["partial"]
+    assert "elsewhere.room" in texts(imported)
+
+
 @pytest.mark.parametrize("wanted", [25, 32, 39])
 def test_a_question_that_keeps_machines_from_being_built_is_found(wanted):
     def first(given):
