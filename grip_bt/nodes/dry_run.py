@@ -7,6 +7,7 @@ nothing. A state that can't go on with that ends well, and so does one that wait
 from __future__ import annotations
 
 import functools
+import os
 import re
 import shutil
 import sys
@@ -37,17 +38,7 @@ from grip_bt.smach_compat.smach_ros._port import Ros
 
 from . import stand_ins
 from .smach_source import workspace_of
-from .stand_ins import (
-    StandIn,
-    StandInFinder,
-    StandInModule,
-    is_generated,
-    name_of,
-    stand_in,
-    stand_in_class,
-    stands_in,
-    unwrapped,
-)
+from .stand_ins import StandIn, StandInFinder, StandInModule, name_of, stand_in, stand_in_class, stands_in, unwrapped
 
 _SUCCESS = frozenset(
     (
@@ -223,7 +214,9 @@ class _TellingFinder(StandInFinder):
         for finder in sys.meta_path[sys.meta_path.index(self) + 1 :]:
             # every package has a folder `launch` without `__init__.py`, called like ROS's own
             found = finder.find_spec(fullname, path, target)  # type: ignore[arg-type]
-            if found is not None and not (found.loader is None and (is_generated(fullname) or fullname == "launch")):
+            if found is not None and not (
+                found.loader is None and (stand_ins.is_generated(fullname) or fullname == "launch")
+            ):
                 return found
         known = len(self.packages)
         found = super().find_spec(fullname, path, target)
@@ -268,6 +261,7 @@ def dry_run(tell: Callable[[str], object], made: Made | None = None) -> Iterator
             mock.patch.object(threading.Event, "wait", _waiting(threading.Event.wait)),
             mock.patch.object(time, "sleep", lambda seconds, sleep=time.sleep: sleep(0 if _look() else seconds)),
             mock.patch.object(stand_ins, "judge", stand_ins.Judge()),
+            mock.patch.dict(os.environ, {"ROS_MASTER_URI": "http://localhost:11311", **os.environ}),  # ROS 1 sets it
         ):
             yield
     finally:

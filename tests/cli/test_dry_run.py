@@ -2,6 +2,7 @@
 
 import importlib
 import itertools
+import os
 import re
 import subprocess
 import sys
@@ -311,3 +312,10 @@ def test_a_package_of_python_2_runs_with_all_its_modules(project, tmp_path):
     script += "sys.stdout.write(load_legacy(Path(sys.argv[1]), ros=False).DONE)"
     done = subprocess.run([sys.executable, "-c", script, str(legacy)], capture_output=True, text=True, timeout=600)
     assert done.stdout == "labels\ndone", done.stderr
+
+
+def test_the_master_of_ros_1_has_an_address(monkeypatch):
+    monkeypatch.delenv("ROS_MASTER_URI", raising=False)
+    with dry_run(lambda what: None):
+        assert os.environ["ROS_MASTER_URI"].startswith("http://")
+    assert "ROS_MASTER_URI" not in os.environ
