@@ -5,8 +5,9 @@
 WHERE is what `grip run` takes: `module:function`, `file.py:function` or `file.py`; or a folder, all of whose functions
 that look as if they made a tree are tried. This runs their code. For each tree: how many nodes it has; whether it was
 ticked N times by the runner, drawn, journalled, and had the same statuses after each tick, or raised the same in one,
-as under py_trees alone; and how many of its nodes become kinds and node types of ours when it is imported. With
-`--stand-ins` packages that are missing are stood in for, in all three.
+as under py_trees alone; and how many of its nodes become kinds and node types of ours when it is imported. Below the
+table stands which classes were kept, how often, and why. With `--stand-ins` packages that are missing are stood in for,
+in all three.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import os
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -105,9 +107,12 @@ def imported(where: str, stand_ins: bool, told: dict[str, Any]) -> None:
     from grip_bt.task.model import Foreign, walk
 
     made = import_from_code(where, Path.cwd(), stand_ins=stand_ins)
-    kinds = [node for _, node in walk(made.task.root)]
-    foreign = [node.behaviour for node in kinds if isinstance(node, Foreign)]
-    told |= {"imported": len(kinds), "kept": len(foreign), "foreign": sorted(set(foreign))}
+    # what stands inside a node that does what one behaviour did counts with it
+    kinds = {path: node for path, node in walk(made.task.root) if path.rpartition("/")[2].split()[:1] != ["inside"]}
+    why = {issue.path: issue.message for issue in made.issues}
+    foreign = {path: node.behaviour for path, node in kinds.items() if isinstance(node, Foreign)}
+    kept = [f"{name}: {why.get(path, '').partition(', as ')[0]}" for path, name in foreign.items()]
+    told |= {"imported": len(kinds), "kept": len(foreign), "foreign": sorted({*foreign.values()}), "why": kept}
 
 
 def one(where: str, ticks: int, stand_ins: bool, what: str) -> dict[str, Any]:
@@ -156,7 +161,7 @@ def main() -> None:
     os.environ["PYTHONPATH"] = os.pathsep.join([*args.path, os.environ.get("PYTHONPATH", "")])
     print("| tree | nodes | runs unchanged | drawn | same statuses | became ours | what is kept, or why not |")
     print("|---|---|---|---|---|---|---|")
-    sums = [0, 0, 0, 0, 0]
+    sums, kept = [0, 0, 0, 0, 0], Counter[str]()
     for where, made_by in (each for given in args.where for each in candidates(given)):
         began = time.monotonic()
         run, plain, made = (
@@ -167,6 +172,7 @@ def main() -> None:
         runs = len(run.get("seen", ())) == args.ticks or f" {raised}: " in run.get("ended", "")
         same = runs and run["seen"] == plain.get("seen")
         ours = made.get("imported", 0) - made.get("kept", 0)
+        kept.update(made.get("why", ()))
         why = (
             run.get("error")
             or (run["ended"] if run.get("ended", "").startswith("error") else "")
@@ -181,6 +187,9 @@ def main() -> None:
             a + b for a, b in zip(sums, (1, runs, bool(run.get("drawn")), ours, made.get("imported", 0)), strict=True)
         ]
         sys.stderr.write(f"{where}: {time.monotonic() - began:.0f} s\n")
+    print("\nkept:" if kept else "")
+    for what, times in kept.most_common():
+        print(f"{times:4} {what}")
     print(
         f"\n{sums[0]} trees: {sums[1]} run unchanged, {sums[2]} drawn; {sums[3]} of {sums[4]} imported nodes are ours"
     )

@@ -313,7 +313,8 @@ def is_of_ros(root: Behaviour) -> bool:
     used = {str(getattr(v, "__module__", "")) for m in names for v in vars(sys.modules.get(m, object)).values()}
     used |= {v.__name__ for m in names for v in vars(sys.modules.get(m, object)).values() if inspect.ismodule(v)}
     of_ros = any(name.split(".")[0] in ("rclpy", "py_trees_ros") for name in names | used)
-    return of_ros or any("node" in parameters_of(cls.setup) for cls in classes if issubclass(cls, Behaviour))
+    setups = [cls.setup for cls in classes if issubclass(cls, Behaviour)]  # `kwargs["node"]` is a constant of its code
+    return of_ros or any("node" in (*parameters_of(each), *each.__code__.co_consts) for each in setups)
 
 
 def _keep_ros() -> None:

@@ -26,7 +26,7 @@ from grip_bt.formats.pytrees.adopted import AdoptedTree
 from grip_bt.formats.pytrees.tree import drawn
 from grip_bt.nodes.dry_run import StoodIn, dry_run_of_tree
 from grip_bt.nodes.node import Observer
-from grip_bt.nodes.tree_code import FoundTree, find_tree, is_tree_code, place_of
+from grip_bt.nodes.tree_code import FoundTree, find_tree, is_of_ros, is_tree_code, place_of
 from grip_bt.runtime import JournalReader
 from grip_bt.task import dumps, walk
 from grip_bt.task.validation import validate
@@ -469,3 +469,17 @@ def test_the_tree_of_py_trees_ros_is_stood_in_for_by_one_that_ticks(older: Path)
     with dry_run_of_tree(lambda what: None, file):
         found = find_tree(place_of(str(file)))
     assert (found.ready, found.period, found.tree.root.node is found.tree.node) == (True, 0.5, True)
+
+
+@pytest.mark.parametrize(("given", "of_ros"), [("node", True), ("speed", False)])
+def test_a_tree_that_takes_its_node_from_all_that_setup_is_given_is_one_of_ros(
+    given: str, of_ros: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    (tmp_path / f"takes_a_{given}.py").write_text(
+        "from py_trees.behaviours import Success\n\n\nclass Ready(Success):\n"
+        f"    def setup(self, **given):\n        self.kept = given['{given}']\n\n\n"
+        "def create_root():\n    return Ready('ready')\n"
+    )
+    found = find_tree(place_of(f"{tmp_path}/takes_a_{given}.py:create_root"))
+    assert is_of_ros(found.tree.root) is of_ros
