@@ -424,7 +424,8 @@ class StandInFinder(MetaPathFinder, Loader):
         package = fullname.split(".")[0]
         there = sys.modules.get(package)
         installed = any("-packages" in folder for folder in getattr(there, "__path__", ()))
-        of_sources = (self.parts or is_generated(fullname)) and not installed
+        older = self.parts and package.endswith("_msgs")  # in ROS 1 there was more in it
+        of_sources = older or ((self.parts or is_generated(fullname)) and not installed)
         real = there is not None and not isinstance(there, StandInModule) and not of_sources
         above, _, last = fullname.rpartition(".")
         lacking = last in getattr(sys.modules.get(above), "_stand_in_lacks", ())

@@ -319,3 +319,16 @@ def test_the_master_of_ros_1_has_an_address(monkeypatch):
     with dry_run(lambda what: None):
         assert os.environ["ROS_MASTER_URI"].startswith("http://")
     assert "ROS_MASTER_URI" not in os.environ
+
+
+def test_what_an_installed_package_of_messages_had_in_ros_1_is_stood_in_for(tmp_path, monkeypatch):
+    package = tmp_path / "site-packages" / "ours_msgs"
+    package.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    monkeypatch.syspath_prepend(package.parent)
+    told = []
+    with dry_run(told.append):
+        importlib.import_module("ours_msgs.point_cloud2").read_points()
+    assert told == ["package ours_msgs"]
+    for name in ("ours_msgs", "ours_msgs.point_cloud2"):
+        sys.modules.pop(name, None)
