@@ -25,7 +25,7 @@ BACK = 0.2
 PAUSE = 2.0
 """Strokes that come later than this after the last one belong to another shake [s]."""
 LOOKS = 20
-"""In a period: a hand's point of return is missed by 1 % of the amplitude at most, and falls take longer."""
+"""In a period: a hand's point of return is missed by 1.3 % of the amplitude at most, and falls take longer."""
 
 
 class ShakeConfig(Settings):

@@ -299,6 +299,7 @@ class World:
         self.robot.put_back(kept)
         self._shaking = self._watch()
         self._felt.clear()
+        self.cameras.forget()
         self._liquids.put_back(volumes)
         for name, state in states.items():
             self.articulated[name].put_back(state)

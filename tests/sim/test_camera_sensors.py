@@ -191,7 +191,7 @@ def test_a_late_camera_shows_the_world_as_it_was():
     thing = ObjectSpec("thing", "box", 0.03, 0.1, (0.53, 0.14, 0.4))
     late = replace(SMALL, name="late", noise=NoiseSpec(latency=0.1))
     world = world_of(SMALL, late, objects=(thing,))
-    depths = {}
+    depths, kept = {}, world.kept()
     for _ in range(60):
         world.step()
         depths[round(world.time, 6)] = world.cameras.look("overhead").depth
@@ -199,6 +199,8 @@ def test_a_late_camera_shows_the_world_as_it_was():
     assert frame.time == pytest.approx(world.time - 0.1)
     assert np.array_equal(frame.depth, depths[round(frame.time, 6)])
     assert not np.array_equal(frame.depth, depths[round(world.time, 6)])
+    world.put_back(kept)  # what was before isn't seen any more
+    assert np.array_equal(world.cameras.look("late").depth, world.cameras.look("overhead").depth)
 
 
 # --- films ---

@@ -72,6 +72,10 @@ class Rig:
         """Find where in the scene's poses those of the bodies are."""
         places = {entity: row for row, entity in enumerate(self._scene.entities)}
         self._places = [places[b.entity] for b in (*(each.body for each in self.targets), *self._carriers.values())]
+        self.forget()
+
+    def forget(self) -> None:
+        """Show nothing of what was before, however late a camera is."""
         self._past.clear()
 
     def stepped(self, time: float) -> None:
