@@ -33,7 +33,7 @@ from py_trees.decorators import Decorator
 from py_trees.trees import BehaviourTree
 
 from grip_bt import smach_compat
-from grip_bt.smach_compat import Container, State, smach_ros
+from grip_bt.smach_compat import Container, State, smach_ros, user_data
 from grip_bt.smach_compat.smach_ros._port import Ros
 
 from . import stand_ins
@@ -138,6 +138,11 @@ class _ImpatientRos(Ros):
     def is_shutdown(self) -> bool:
         _look()
         return super().is_shutdown()
+
+    def shut_down(self, reason: str = "") -> None:
+        """Do so for a state: a program does at its end, which here comes before anything runs."""
+        if getattr(_waits, "left", None) is not None:
+            super().shut_down(reason)
 
 
 def _is_own(error: Exception) -> bool:
@@ -248,7 +253,7 @@ def dry_run(tell: Callable[[str], object], made: Made | None = None) -> Iterator
         decorate(decorator, name, _behaviour(child))
 
     add_child, begin, told, every = Composite.add_child, State.__init__, list[str](), Counter[str]()
-    decorate = Decorator.__init__
+    decorate, get_const = Decorator.__init__, user_data.get_const  # one wrapped has an item at every index
     smach_compat.install(rospy=True)
     smach_ros.use(_ImpatientRos(stand_in, named))
     sys.meta_path.insert(0, finder)
@@ -258,6 +263,7 @@ def dry_run(tell: Callable[[str], object], made: Made | None = None) -> Iterator
             mock.patch.object(Composite, "add_child", added),
             mock.patch.object(Decorator, "__init__", decorated),
             mock.patch.object(State, "__init__", begun),
+            mock.patch.object(user_data, "get_const", lambda obj: obj if stands_in(obj) else get_const(obj)),
             mock.patch.object(threading.Event, "wait", _waiting(threading.Event.wait)),
             mock.patch.object(time, "sleep", lambda seconds, sleep=time.sleep: sleep(0 if _look() else seconds)),
             mock.patch.object(stand_ins, "judge", stand_ins.Judge()),

@@ -332,3 +332,34 @@ def test_what_an_installed_package_of_messages_had_in_ros_1_is_stood_in_for(tmp_
     assert told == ["package ours_msgs"]
     for name in ("ours_msgs", "ours_msgs.point_cloud2"):
         sys.modules.pop(name, None)
+
+
+def test_a_program_that_ends_by_a_shutdown_doesnt_end_the_run_before_it_begins_but_a_state_does():
+    with dry_run(lambda what: None):
+        rospy = importlib.import_module("rospy")
+        rospy.spin()
+        rospy.signal_shutdown("the program ended")
+        assert not rospy.is_shutdown()
+
+        class Off(State):
+            def execute(self, ud):
+                rospy.signal_shutdown("the state wants it")
+                return "succeeded"
+
+        assert Off(outcomes=["succeeded"]).execute(None) == "succeeded"
+        assert rospy.is_shutdown()
+
+
+def test_an_input_that_stands_in_ends_when_it_is_gone_through():
+    with dry_run(lambda what: None):
+        objects = importlib.import_module("robot_of_ours").objects
+
+        class Counted(State):
+            def execute(self, ud):
+                return "one" if [each for each in itertools.islice(ud.objects, 9)] else "none"
+
+        sm = StateMachine(outcomes=["one", "none"], input_keys=["objects"])
+        with sm:
+            StateMachine.add("COUNT", Counted(outcomes=["one", "none"], input_keys=["objects"]))
+        sm.userdata.objects = objects
+        assert sm.execute() == "none"
