@@ -131,19 +131,23 @@ class Conditional(Node):
     precondition: Condition
 
     def tick(self) -> Iterator[Behaviour]:
-        if self.status != Status.RUNNING:
-            try:
-                holds = self.precondition.holds()
-            except Exception as error:
-                self.begin()
-                self.stop(Status.INVALID)
-                raise NodeError(self.path, error) from error
-            if not holds:
-                self.begin()
-                self._refuse()
-                yield self
-                return
-        yield from super().tick()
+        if self.status != Status.RUNNING and self.refused():
+            yield self
+        else:
+            yield from super().tick()
+
+    def refused(self) -> bool:
+        """Tell whether the condition is false, on entry; then it has failed."""
+        try:
+            holds = self.precondition.holds()
+        except Exception as error:
+            self.begin()
+            self.stop(Status.INVALID)
+            raise NodeError(self.path, error) from error
+        if not holds:
+            self.begin()
+            self._refuse()
+        return not holds
 
     def _refuse(self) -> None:
         """End without `terminate`, since nothing was initialised."""

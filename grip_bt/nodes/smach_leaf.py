@@ -178,7 +178,7 @@ class SmachLeaf(KeysLeaf):
     def _ask_to_return(self) -> None:
         self._halted = True
         self.state.request_preempt()
-        for state in _with_all_below(self.state):
+        for state in with_all_below(self.state):
             if hasattr(state, "request_halt"):  # it ticks a tree of ours, which can be halted
                 state.request_halt()
 
@@ -188,7 +188,7 @@ class SmachLeaf(KeysLeaf):
 
     def _bury(self) -> None:
         if self._halted:
-            for state in _with_all_below(self.state):
+            for state in with_all_below(self.state):
                 state.recall_preempt()
                 if hasattr(state, "recall_halt"):
                     state.recall_halt()
@@ -200,10 +200,11 @@ class SmachLeaf(KeysLeaf):
             _log.warning("%s: execute() was interrupted and still runs in the thread smach:%s", self.path, self.path)
 
 
-def _with_all_below(state: object) -> Iterator[Any]:
+def with_all_below(state: object) -> Iterator[Any]:
+    """Yield a state, and all that are in it."""
     yield state
     for child in state.get_children().values() if hasattr(state, "get_children") else ():
-        yield from _with_all_below(child)
+        yield from with_all_below(child)
 
 
 class NextItem(AmongStates):

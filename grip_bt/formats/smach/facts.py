@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
-from types import LambdaType
+from types import CodeType, FunctionType, LambdaType
 from typing import Any
 
 from grip_bt import smach_compat
 from grip_bt.formats.names import is_literal
 from grip_bt.nodes.smach_construction import CONTAINERS, Construction
+from grip_bt.nodes.smach_leaf import with_all_below
 from grip_bt.nodes.stand_ins import name_of, stands_in
 
 from .found import Child, ContainerInfo, Span, StateInfo, Value
@@ -78,7 +80,7 @@ def _container(found: Any, said: dict[str, Any], seen: Construction | None, stor
         added=children,
         initial=None if (label := getattr(found, "_initial_state_label", None)) is None else str(label),
         userdata={str(k): literal(v) for k, v in found.userdata._data.items()},
-        settings=_settings(found) | ({"overridden": overridden} if overridden else {}),
+        settings=_settings(found) | {n: v for n, v in (("overridden", overridden), ("asked", _asked(found))) if v},
         items=literal(_items(found._items)) if isinstance(found, smach_compat.Iterator) else None,
     )
     for reason in reasons:
@@ -111,6 +113,23 @@ _SETTINGS = (
 def _settings(found: Any) -> dict[str, Any]:
     said = {name: vars(found)[f"_{name}"] for name in _SETTINGS if f"_{name}" in vars(found)}
     return {name: value is not None if name.endswith("_cb") else value for name, value in said.items()}
+
+
+def _asked(found: Any) -> list[str]:
+    """Return keys that change here, and for which functions of items inside ask this container itself."""
+    maps, keys, names = getattr(found, "_remappings", {}), {*found.get_registered_input_keys()}, set[str]()
+    for label, state in found.get_children().items():
+        keys |= {dict(maps.get(label) or {}).get(key, key) for key in state.get_registered_output_keys()}
+    for items in (each._items for each in with_all_below(found) if isinstance(each, smach_compat.Iterator)):
+        if isinstance(function := getattr(items, "__func__", items), FunctionType):
+            seen, codes = inspect.getclosurevars(function), [function.__code__]
+            near = [getattr(items, "__self__", None), *seen.nonlocals.values(), *seen.globals.values()]
+            near += [part for each in near for part in getattr(each, "__dict__", {}).values()]
+            for code in codes if any(each is found for each in near) else ():
+                own = (getattr(getattr(type(found), each, None), "__code__", None) for each in code.co_names)
+                codes += [each for each in (*code.co_consts, *own) if isinstance(each, CodeType) and each not in codes]
+                names |= {each for each in (*code.co_names, *code.co_consts) if isinstance(each, str)}
+    return sorted(keys & names)
 
 
 def _items(items: Any) -> Any:

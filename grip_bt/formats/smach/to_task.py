@@ -12,25 +12,10 @@ from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import AnyNode, Meaning, ParallelRule
 from grip_bt.task.validation import validate
 
+from . import userdata
 from .found import Child, ContainerInfo
 from .leaves import Leaves
-from .userdata import (
-    Keys,
-    RefusedError,
-    Rules,
-    Variables,
-    as_machine,
-    check,
-    copy_in_first,
-    copy_out_last,
-    iteration_of,
-    labelled,
-    mark_unwritten,
-    meanings,
-    parallel_rules,
-    private_keys,
-    source_of,
-)
+from .userdata import Keys, RefusedError, Rules, Variables
 
 COPIED = "is a copy in SMACH"
 ONE_LEAF = "imported as one leaf that runs the original container"
@@ -70,7 +55,7 @@ class TaskMaker:
             self.variables, self.leaves.specs = Variables(), specs
             whole = Child(label=self.name, state=self.root, transitions={}, remapping={}, span=self.root.span)
             node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
-        outcomes = meanings(self.root, self.leaves.meanings)
+        outcomes = userdata.meanings(self.root, self.leaves.meanings)
         if guessed := self.leaves.meanings.guessed(self.root.outcomes or ()):
             said = "is taken for success, as no outcome has that name; --success NAME says otherwise"
             self.root.problem("note", f"`{guessed}` {said}")
@@ -80,13 +65,13 @@ class TaskMaker:
 
     def container(self, found: ContainerInfo, keys: Keys) -> tuple[Any, Ends]:
         """Return a container as a node, and what its outcomes stand for; refuse one that has no equivalent."""
-        check(found)
+        userdata.check(found)
         keys.begin(found)
         if found.kind == "Concurrence":
-            return self._parallel(found, keys, *parallel_rules(found))
+            return self._parallel(found, keys, *userdata.parallel_rules(found))
         ends = {task_name(o): o for o in found.outcomes or ()}
         if found.kind == "Iterator":
-            return self._iterator(found, keys, meanings(found, self.leaves.meanings)), ends
+            return self._iterator(found, keys, userdata.meanings(found, self.leaves.meanings)), ends
         names: dict[str, str] = {}
         for label in found.added:  # one that is also an outcome gets another name, since SMACH prefers the state
             names[label] = free(task_name(label), {*ends, *names.values()})
@@ -98,14 +83,14 @@ class TaskMaker:
         machine = StateMachine(
             kind="state_machine",
             initial=names[found.initial or ""],
-            outcomes=meanings(found, self.leaves.meanings),
+            outcomes=userdata.meanings(found, self.leaves.meanings),
             children=children,
-            x=source_of(found),
+            x=userdata.source_of(found),
         )
         return machine, ends
 
     def _iterator(self, found: ContainerInfo, keys: Keys, means: Mapping[str, Meaning]) -> StateMachine:
-        plan = iteration_of(found)
+        plan = userdata.iteration_of(found)
         added = next(iter(found.added.values()))
         name = free(task_name(added.label), {*means, "next"})
         node, ends = self.child(found, added, keys, raw=True)
@@ -133,7 +118,7 @@ class TaskMaker:
             outcomes=dict(means),
             data={position: Variable(type="int", value=0)},
             children={**steps, name: node.model_copy(update={"on": FrozenDict(on)})},
-            x=source_of(found),
+            x=userdata.source_of(found),
         )
 
     def _parallel(self, found: ContainerInfo, keys: Keys, given: Rules, default: str) -> tuple[Parallel, Ends]:
@@ -141,7 +126,7 @@ class TaskMaker:
         ends_of: dict[str, Ends] = {}
         for label, added in found.added.items():
             children[task_name(label)], ends_of[label] = self.child(found, added, keys)
-        own, labels = labelled(found, default, self.leaves.meanings)
+        own, labels = userdata.labelled(found, default, self.leaves.meanings)
         ends = {"success": default, "failure": default} | {label: o for o, label in labels.items()}
         asked = free("asked", children)
         allowed = "preempted" in labels
@@ -154,7 +139,7 @@ class TaskMaker:
                 rules.append(ParallelRule(when=when, then=labels[outcome]))
         rules.append(ParallelRule(then=labels[default]))
         node = Parallel(
-            kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=source_of(found)
+            kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=userdata.source_of(found)
         )
         return node, ends
 
@@ -165,7 +150,7 @@ class TaskMaker:
             found.issues += [issue for issue in state.issues if issue not in found.issues]
             return self._leaf(found, added, keys, remapping)
         shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
-        own = private_keys(found, added, shared)
+        own = userdata.private_keys(found, added, shared)
         for key in (k for k in state.input_keys if k in own and shared[k] in self.variables.first):
             own.discard(key)  # what a task can't hold isn't there to be copied before a leaf asks for it
             state.problem("partial", f"userdata `{key}` {COPIED}; the task has one variable, `{shared[key]}`")
@@ -176,11 +161,11 @@ class TaskMaker:
             node, ends = self.container(state, inner)
             if own and not isinstance(node, StateMachine):
                 on = {here: task_name(there) for here, there in ends.items()}
-                node = as_machine(node, on, meanings(state, self.leaves.meanings))
+                node = userdata.as_machine(node, on, userdata.meanings(state, self.leaves.meanings))
                 ends = {task_name(o): o for o in state.outcomes or ()}
             if out:
-                node = copy_out_last(node, out, inner, self.leaves)
-            return (copy_in_first(node, copied, inner, self.leaves) if copied else node), ends
+                node = userdata.copy_out_last(node, out, inner, self.leaves)
+            return (userdata.copy_in_first(node, copied, inner, self.leaves) if copied else node), ends
         except RefusedError as error:
             self.variables.names, self.leaves.specs = before
             runs = bool(self.leaves.source(state))
@@ -231,7 +216,7 @@ class TaskMaker:
         nodes: dict[str, Any] = dict(model.walk(task.root))
         early = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
         missing = {*self.variables.first, *(str(nodes[each.path].in_[str(each.key[1])]) for each in early)}
-        task = self._task(mark_unwritten(node, missing), outcomes, missing)
+        task = self._task(userdata.mark_unwritten(node, missing), outcomes, missing)
         for issue in validate(task, catalog).issues:
             if issue.severity == "error":
                 self.root.problem("partial", f"`grip check`: {issue.path}: {issue.message}")

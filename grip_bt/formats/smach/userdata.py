@@ -216,6 +216,8 @@ def check(found: ContainerInfo) -> None:
         raise RefusedError(failed[0].message)
     if found.parent is not None and (names := found.settings.get("overridden")):
         raise RefusedError(f"its class has a `{names[0]}` of its own")
+    if asked := found.settings.get("asked"):
+        raise RefusedError(f"the items of an Iterator in it are taken from its userdata, {asked[0]!r}")
     if not found.outcomes:
         raise RefusedError("its outcomes aren't known")
     if not found.added:

@@ -52,19 +52,7 @@ def conditional(node: Any, inner: Tick) -> Tick:
     """`Conditional.tick`: look at the precondition before an activation begins."""
 
     def tick() -> Status:
-        if node.status is R:
-            return inner()
-        try:
-            holds = node.precondition.holds()
-        except Exception as error:
-            node.begin()
-            node.stop(Status.INVALID)
-            raise NodeError(node.path, error) from error
-        if holds:
-            return inner()
-        node.begin()
-        node._refuse()
-        return F
+        return F if node.status is not R and node.refused() else inner()
 
     return tick
 

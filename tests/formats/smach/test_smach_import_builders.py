@@ -370,6 +370,51 @@ def test_a_container_that_one_leaf_runs_keeps_its_own_copies_of_what_no_task_can
         assert run_task(paths["build"], target)[0] == run_legacy(load_legacy(file).build())[0] == "kept"
 
 
+ASKED = """
+class Plan(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, ['planned'], [], ['rooms'])
+
+    def execute(self, ud):
+        ud.rooms = [1, 2, 3]
+        return 'planned'
+
+
+class Visit(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, ['there', 'third'], ['room'])
+
+    def execute(self, ud):
+        return 'third' if ud.room == 3 else 'there'
+
+
+class House(smach.StateMachine):
+    def __init__(self):
+        smach.StateMachine.__init__(self, outcomes=['all', 'third'])
+        each = smach.Iterator(['all', 'third'], ['rooms'], [], it=ITEMS, it_label='room', exhausted_outcome='all')
+        with each:
+            smach.Iterator.set_contained_state('VISIT', Visit(), loop_outcomes=['there'])
+        with self:
+            smach.StateMachine.add('PLAN', Plan(), {'planned': 'EACH'})
+            smach.StateMachine.add('EACH', each)
+
+    def left(self):
+        return [room for room in self.userdata['rooms'] if room != 2]
+"""
+
+
+@pytest.mark.parametrize("items", ["self.left", "lambda: self.userdata.rooms", "lambda: [r for r in self.left()]"])
+def test_items_that_ask_a_container_around_are_asked_as_the_machine_does(items, tmp_path):
+    file = tmp_path / "legacy.py"
+    file.write_text(HEAD + ASKED.replace("ITEMS", items))
+    imported = record(file)
+    assert {c.verdict for c in imported.containers} == {"exact"}
+    paths = {name: tmp_path / "out" / f"{name}.yaml" for name in imported.tasks}
+    write_files(imported, paths, tmp_path / "out" / "nodes")
+    for target in ("bt", "sm"):
+        assert run_task(paths["House"], target)[0] == run_legacy(load_legacy(file).House())[0] == "third"
+
+
 MISCALLED = """
 class Ask(smach.State):
     def __init__(self):
