@@ -140,8 +140,8 @@ def _node_figure(name: str, node: AnyNode, catalog: Catalog) -> layout.Figure:
     children = {n: _node_figure(n, child, catalog) for n, child in children_of(node).items()}
     inside = _inside(children, outcomes_shown(node), links_of(node))
     words = describe(node) + (f", only if {node.precondition}" if node.precondition else "")
-    named, said = layout.text_width(name, layout.NAME_SIZE, bold=True), layout.text_width(words, layout.TEXT_SIZE)
-    header = ICON + named + 10 + said
+    header = ICON + layout.text_width(name, layout.NAME_SIZE, bold=True) + 10
+    header += layout.text_width(words, layout.TEXT_SIZE)
     width = max(inside.width, header) + 2 * _FRAME_PAD
     height = _HEADER + inside.height + _FRAME_PAD
     frame = layout.Box(0, 0, width, height, kind_of(node), name, (words,), node.doc, True)

@@ -118,7 +118,8 @@ class Recording(Construction):
         begun = smach_compat.State.__init__
 
         def plain(state: Any, *arguments: Any, **named: Any) -> None:
-            begun(state, *self._plain(arguments), **self._plain(named))
+            given = {name: tracked_code.without_order(each) for name, each in named.items()}
+            begun(state, *self._plain(list(map(tracked_code.without_order, arguments))), **self._plain(given))
 
         self.replace(smach_compat.State, "__init__", plain)
         super().__enter__()

@@ -14,7 +14,7 @@ import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import wraps
+from functools import partial, wraps
 from types import BuiltinFunctionType, FrameType, FunctionType, MethodType
 from typing import Any
 
@@ -250,6 +250,24 @@ def _untracked(value: Any) -> Any:
     return set(set.__iter__(value)) if type(value) is TrackedSet else value
 
 
+def _in_a_row(kind: type, *given: Any) -> Any:
+    """Return a list or tuple; one of a set stands in, so that it matters only where code goes by it."""
+    items = [*set.__iter__(given[0])] if given and type(given[0]) is TrackedSet else []
+    if len(items) < 3 or all(isinstance(item, int) for item in items):
+        return kind(*given)
+    made = surely(kind, stand_in("the order of a set", kind(items)))
+    vars(made)["_stand_in_each"] = sorted(items, key=repr)
+    return made
+
+
+def without_order(value: Any) -> Any:
+    """Return a set, or a list of one that is as it was, so that each order of it is the same."""
+    if type(value) is TrackedSet:
+        return dict.fromkeys(sorted(set.__iter__(value), key=repr))  # which can't be added to a list either
+    each = vars(value).get("_stand_in_each") if stands_in(value) and not isinstance(value, type) else None
+    return each if each is not None and each == sorted(value_of(value), key=repr) else value
+
+
 def _hasattr(value: Any, name: str) -> bool:
     if (sure := _sure_class(value)) is not None:
         return hasattr(sure, name)
@@ -308,9 +326,7 @@ def _type(value: Any) -> Any:
 
 
 def _callable(value: Any) -> bool:
-    if stands_in(value):
-        return asked_once(value, f"callable({name_of(value)})", True)
-    return callable(value)
+    return asked_once(value, f"callable({name_of(value)})", True) if stands_in(value) else callable(value)
 
 
 def _map(function: Any, *each: Any) -> Any:
@@ -335,6 +351,7 @@ SPECIAL: dict[Any, Callable[..., Any]] = {
     repr: repr,
     map: _map,
 }
+SPECIAL.update({kind: partial(_in_a_row, kind) for kind in (list, tuple)})
 _ORDERLESS: tuple[Any, ...] = (sorted, min, max, any, all, sum, len)
 SPECIAL.update({function: _without_order(function) for function in _ORDERLESS})
 _CONTAINERS = (list, dict, set, deque, tuple)
@@ -381,7 +398,7 @@ def _call(function: Any, *arguments: Any, **named: Any) -> Any:
     return lifted(function, name_of(about), *arguments, **named)
 
 
-_LIFTED = {SPECIAL[each] for each in _ORDERLESS}
+_LIFTED = {SPECIAL[each] for each in (*_ORDERLESS, list, tuple)}
 
 
 def _is_stand_in(function: Any) -> bool:

@@ -415,6 +415,38 @@ def test_chance_that_only_a_state_goes_by_leaves_the_machine_exact(added, verdic
 
 
 @pytest.mark.parametrize(
+    ("added", "verdict"),
+    [
+        ("'A', Go(names=list(NAMES))", "exact"),
+        ("'A', Go(names=tuple(NAMES.union(['w'])))", "exact"),
+        ("'A', Go(outcomes=['there', *sorted(NAMES)])", "exact"),
+        ("'A', Go(outcomes=list(NAMES))", "exact"),
+        ("'A', Go(outcomes=NAMES)", "exact"),
+        ("list(NAMES)[0], Go()", "partial"),
+        ("'A', Go(outcomes=list(NAMES)[:2])", "partial"),
+        ("'A', Go(outcomes=less(list(NAMES)))", "partial"),
+        ("'A' if len(''.join(list(NAMES))) == 3 and 'xyz' == ''.join(list(NAMES)) else 'B', Go()", "partial"),
+        ("'A' if list(NAMES)[1] == 'y' else 'B', Go()", "partial"),
+        ("[name for name in list(NAMES)][2], Go()", "partial"),
+        ("'A', Go(outcomes=['there'] + list(NAMES))", "partial"),
+    ],
+)
+def test_the_order_of_a_set_matters_only_where_a_machine_goes_by_it(added, verdict, tmp_path):
+    code = """import smach
+NAMES = {'x', 'y', 'z'}
+class Go(smach.State):
+    def __init__(self, outcomes=('there',), names=()):
+        smach.State.__init__(self, outcomes=outcomes)
+        self.names = names
+def less(names):
+    names.pop()
+    return names
+"""
+    code += f"sm = smach.StateMachine(['there', *'xyz'])\nwith sm:\n    smach.StateMachine.add({added})\n"
+    assert verdicts(recorded(tmp_path, code)) == [verdict]
+
+
+@pytest.mark.parametrize(
     "asked",
     [
         "made = machine('A' if hasattr(rospy, 'special') else 'B')\n",
