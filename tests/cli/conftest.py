@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from subprocess import CompletedProcess
+from unittest import mock
 
 import pytest
 
@@ -16,10 +18,11 @@ def typed(capfd: pytest.CaptureFixture[str]) -> Callable[..., CompletedProcess[s
 
     def run(*words: object) -> CompletedProcess[str]:
         capfd.readouterr()
-        try:
-            status = main([str(word) for word in words])
-        except SystemExit as wrong:
-            status = int(str(wrong.code))
+        with mock.patch.dict(os.environ):  # a command tells the processes that it starts by these
+            try:
+                status = main([str(word) for word in words])
+            except SystemExit as wrong:
+                status = int(str(wrong.code))
         said = capfd.readouterr()
         return CompletedProcess(words, status, said.out, said.err)
 

@@ -136,3 +136,35 @@ def _wrap(state, path, ends):
         return outcome
 
     state.execute = noted
+
+
+GO = """import smach
+
+class Go(smach.State):
+    def __init__(self, name='', outcomes=('there', 'lost')):
+        smach.State.__init__(self, outcomes=list(outcomes), input_keys=['k'], output_keys=['k'])
+        self.name = name
+    def execute(self, userdata):
+        return 'there'
+
+"""
+"""A program begins so whose states are of a class Go."""
+STEP = "import smach\n\n\nclass Step(smach.State):\n    def __init__(self, name='x'):\n"
+STEP += (
+    "        smach.State.__init__(self, outcomes=['done'])\n\n    def execute(self, ud):\n        return 'done'\n\n\n"
+)
+"""A program begins so whose states are of a class Step."""
+
+
+def verdicts(imported):
+    return [c.verdict for c in imported.containers]
+
+
+def texts(imported):
+    return "\n".join(str(p) for c in imported.containers for p in c.issues)
+
+
+def recorded(folder, text, name="legacy.py", **more):
+    file = folder / name
+    file.write_text(GO + text)
+    return record(file, **more)

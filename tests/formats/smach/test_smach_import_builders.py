@@ -1,15 +1,10 @@
 """What builds a machine, wherever it is: in states, methods, libraries; and what only seems to decide something."""
 
 import pytest
-from smach_runs import record, run_legacy, run_task, write_files
+from smach_runs import STEP, record, run_legacy, run_task, write_files
 
 from grip_bt.nodes.smach_construction import built_in, run_as_main
 from grip_bt.nodes.smach_source import load_legacy
-
-HEAD = "import smach\n\n\nclass Step(smach.State):\n    def __init__(self, name='x'):\n"
-HEAD += (
-    "        smach.State.__init__(self, outcomes=['done'])\n\n    def execute(self, ud):\n        return 'done'\n\n\n"
-)
 
 WRAPPED = """
 class Gate(smach.State):
@@ -257,7 +252,7 @@ if __name__ == '__main__':
 )
 def test_what_is_built_is_found_and_is_exact_where_nothing_decides(text, verdicts, tmp_path):
     file = tmp_path / "legacy.py"
-    file.write_text(HEAD + text)
+    file.write_text(STEP + text)
     assert [c.verdict for c in record(file).containers] == verdicts
 
 
@@ -266,7 +261,7 @@ def test_a_star_import_of_what_is_missing_gives_no_names_that_are_only_written(t
     package = tmp_path / "walks"
     package.mkdir()
     (package / "__init__.py").write_text("from .steps import Step\nfrom .goals import *\nfrom .mission import *\n")
-    (package / "steps.py").write_text(HEAD)
+    (package / "steps.py").write_text(STEP)
     (package / "goals.py").write_text("from walk_msgs.msg import *\nfrom .steps import Step\nGOAL = Goal()\n")
     (package / "mission.py").write_text(
         "import smach\nfrom . import steps\n\n\ndef build():\n    sm = smach.StateMachine(outcomes=['done'])\n"
@@ -286,7 +281,7 @@ def test_a_star_import_of_what_is_missing_gives_no_names_that_are_only_written(t
 def test_what_is_installed_and_set_can_be_said(given, labels, tmp_path):
     file = tmp_path / "legacy.py"
     file.write_text(
-        HEAD + "import os\ntry:\n    from talk_msgs.msg import Talk\nexcept ImportError:\n    Talk = None\n\n\n"
+        STEP + "import os\ntry:\n    from talk_msgs.msg import Talk\nexcept ImportError:\n    Talk = None\n\n\n"
         "def build():\n    sm = smach.StateMachine(outcomes=['done'])\n    with sm:\n"
         "        for label in (['TALK'] if Talk else []) + [os.environ.get('ROBOT') or 'B']:\n"
         "            smach.StateMachine.add(label, Step())\n    return sm\n"
@@ -300,7 +295,7 @@ def test_a_machine_that_a_library_makes_runs_in_the_place_of_what_is_executed(tm
     package = tmp_path / "mission"
     package.mkdir()
     (package / "__init__.py").touch()
-    (package / "steps.py").write_text(HEAD + "def machine():\n    return smach.StateMachine(outcomes=['done'])\n")
+    (package / "steps.py").write_text(STEP + "def machine():\n    return smach.StateMachine(outcomes=['done'])\n")
     file = package / "go.py"
     file.write_text(
         "# on smach\nfrom mission.steps import Step, machine\n\n\ndef main():\n    made = machine()\n    with made:\n"
@@ -361,7 +356,7 @@ def build():
 
 def test_a_container_that_one_leaf_runs_keeps_its_own_copies_of_what_no_task_can_hold(tmp_path):
     file = tmp_path / "legacy.py"
-    file.write_text(HEAD + LOOKS)
+    file.write_text(STEP + LOOKS)
     imported = record(file)
     assert {c.verdict for c in imported.containers} == {"exact"}
     paths = {name: tmp_path / "out" / f"{name}.yaml" for name in imported.tasks}
@@ -406,7 +401,7 @@ class House(smach.StateMachine):
 @pytest.mark.parametrize("items", ["self.left", "lambda: self.userdata.rooms", "lambda: [r for r in self.left()]"])
 def test_items_that_ask_a_container_around_are_asked_as_the_machine_does(items, tmp_path):
     file = tmp_path / "legacy.py"
-    file.write_text(HEAD + ASKED.replace("ITEMS", items))
+    file.write_text(STEP + ASKED.replace("ITEMS", items))
     imported = record(file)
     assert {c.verdict for c in imported.containers} == {"exact"}
     paths = {name: tmp_path / "out" / f"{name}.yaml" for name in imported.tasks}
@@ -451,7 +446,7 @@ def build():
 
 def test_a_state_that_calls_the_constructor_of_a_container_is_a_state_as_in_smach(tmp_path):
     file = tmp_path / "legacy.py"
-    file.write_text(HEAD + MISCALLED)
+    file.write_text(STEP + MISCALLED)
     (found,) = record(file).containers
     assert (found.verdict, found.added["ASK"].state.cls) == ("exact", "Ask")
 
@@ -462,48 +457,7 @@ def test_a_state_that_calls_the_constructor_of_a_container_is_a_state_as_in_smac
 )
 def test_parameters_that_are_given_or_uploaded_whole_are_known_by_all_their_names(hall, labels, tmp_path):
     file = tmp_path / "legacy.py"
-    file.write_text(HEAD + PARAMETERS)
+    file.write_text(STEP + PARAMETERS)
     (tmp_path / "poses.yaml").write_text("poses: {kitchen: {names: [K]}}\n")
     (found,) = record(file, given={"": {"ROS parameter /": {"hall": hall}}}).containers
     assert (found.verdict, list(found.added)) == ("exact", labels)
-
-
-MACHINES = """
-class Tidy(smach.StateMachine):
-    def __init__(self, rooms):
-        super().__init__(outcomes=['done'])
-        with self:
-            for room in rooms:
-                self.add(room, Step())
-"""
-PROGRAM = """
-from .machines import Tidy
-import drive
-
-while not drive.arm.is_up():
-    drive.arm.wait()
-if __name__ == '__main__':
-    sm = Tidy(ROOMS)
-    sm.execute()
-"""
-
-
-@pytest.mark.parametrize(
-    ("rooms", "given", "told"),
-    [
-        ("drive.rooms", {"drive.rooms": ["hall"], "drive.arm.is_up()": True}, None),
-        ("drive.rooms[1] + 1", {"drive.rooms": ["hall"], "drive.arm.is_up()": True}, "list index out of range"),
-    ],
-)
-def test_a_program_in_a_package_is_run_in_it_and_one_that_does_not_finish_is_told(rooms, given, told, tmp_path):
-    (tmp_path / "tidying").mkdir()
-    (tmp_path / "tidying" / "__init__.py").touch()
-    (tmp_path / "tidying" / "machines.py").write_text(HEAD + MACHINES)
-    file = tmp_path / "tidying" / "program.py"
-    file.write_text("import smach\n" + PROGRAM.replace("ROOMS", rooms))
-    found = record(file, given={"": given}).containers
-    if told is None:
-        assert [(each.cls, each.verdict, list(each.added)) for each in found] == [("Tidy", "exact", ["hall"])]
-    else:
-        assert [(each.cls, each.verdict) for each in found] == [("Tidy", "failed")]
-        assert told in found[0].issues[0].message
