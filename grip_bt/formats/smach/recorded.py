@@ -42,11 +42,10 @@ class Recorder:
     @staticmethod
     def _start(kind: int) -> subprocess.Popen[str]:
         path = os.pathsep.join(filter(None, sys.path))
-        own = {"PYTHONPATH": path, "PYTHONHASHSEED": str(kind + 1), "OPENBLAS_NUM_THREADS": "1"}
-        heap = {"MALLOC_TOP_PAD_": str(1 << 24), "MALLOC_TRIM_THRESHOLD_": str(1 << 28)}  # grown in one piece
+        environment = os.environ | {"PYTHONPATH": path, "PYTHONHASHSEED": str(kind + 1), "OPENBLAS_NUM_THREADS": "1"}
         command = python_command("-c", f"from {__package__}.recorder import main; main()")
-        env, pipe = os.environ | own | heap, subprocess.PIPE
-        return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=env)
+        pipe = subprocess.PIPE
+        return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
 
     def record(self, file: Path, root: Path | None = None, given: Given | None = None) -> tuple[Record, Record]:
         """Run the construction of a file's machines; return what one process saw, and the other of the same ones."""
@@ -83,6 +82,7 @@ def _end(process: subprocess.Popen[str]) -> int:
 
 def recorded_containers(source: Source, records: tuple[Record, Record]) -> list[ContainerInfo]:
     """Return all containers of a file: those that were built, and those of the text that nothing has built."""
+    file = source.path
     chosen, second = _chosen(records[0]), _by_key(records[1])
     found, shapes = [], set[str]()
     for key, seen in sorted(chosen.items(), key=lambda item: _rank(item[1])):
@@ -91,7 +91,7 @@ def recorded_containers(source: Source, records: tuple[Record, Record]) -> list[
         shape = seen[0][1].shape + ("" if state.cls != state.kind else key.rpartition("#")[0])
         if shape not in shapes:  # what is built again, in a loop or of a class, is no second machine
             shapes.add(shape)
-            found.append(_container(source.path, seen, again, records[0]))
+            found.append(_container(file, seen, again, records[0]))
     kinds = never_filled(source.tree)
     found = [c for c in found if c.added or c.cls == c.kind or c.cls not in kinds]
     parts = {id(c): {_identity(each) for each in c.within()[1:]} for c in found}
