@@ -424,7 +424,7 @@ class StandInFinder(MetaPathFinder, Loader):
         package = fullname.split(".")[0]
         there = sys.modules.get(package)
         installed = any("-packages" in folder for folder in getattr(there, "__path__", ()))
-        older = self.parts and package.endswith("_msgs")  # in ROS 1 there was more in it
+        older = self.parts and package.endswith("_msgs") and not is_generated(fullname)  # ROS 1 had more in it
         of_sources = older or ((self.parts or is_generated(fullname)) and not installed)
         real = there is not None and not isinstance(there, StandInModule) and not of_sources
         above, _, last = fullname.rpartition(".")
