@@ -23,7 +23,7 @@ STILL_TIME = 0.1
 """Fingers have come to rest when they stood still for this long [s]."""
 NEARLY = 0.1
 """A hand presses as it is to when it does but for this part of the force."""
-AHEAD = 64
+AHEAD = 256
 """Steps for which a path is sampled at once."""
 LOOK, LONGEST, MOVED = 0.25, 10.0, 5e-4
 """Objects lie still when two looks, so far apart [s], differ by less [m]; longer than that isn't waited [s]."""
@@ -100,9 +100,10 @@ class Follow:
 
     def __init__(self, robot: SimRobot, rows: Indices, path: Trajectory, begun: float):
         self.rows, self._robot, self._path, self._begun = rows, robot, path, begun
-        self._since = 0.0
+        self._joints, self._since = rows.tolist(), 0.0
         """When `_path` begins, on the time of the motion [s]: what was followed long ago is forgotten."""
-        self._ahead: dict[int, tuple[Array, Array]] = {}
+        self._ahead: dict[float, tuple[list[float], list[float], float]] = {}
+        """Targets for the next steps, and how long after its time they are [s]."""
 
     def passed(self, time: float) -> float:
         """Return for how long it has been followed at a simulated time [s]."""
@@ -140,21 +141,21 @@ class Follow:
 
     def advance(self, world: World) -> Ended | None:
         """Aim at where the path is one step from now; after its time, wait for the joints to arrive."""
-        t = world.time - self._begun + world.spec.dt - self._since
-        end = self._path.duration
         if world.steps not in self._ahead:  # many at once: that takes hardly longer than one
             steps: Array = np.arange(world.steps, world.steps + AHEAD, dtype=float)
             at = steps * world.spec.dt - self._begun + world.spec.dt - self._since
             positions, velocities, _ = self._path.sampled(at)
-            self._ahead = dict(zip(steps.tolist(), zip(positions, velocities, strict=True), strict=True))
-        self._robot.drive(self.rows, *self._ahead[world.steps])
-        if t <= end:
+            ahead = zip(positions.tolist(), velocities.tolist(), (at - self._path.duration).tolist(), strict=True)
+            self._ahead = dict(zip(steps.tolist(), ahead, strict=True))
+        position, velocity, late = self._ahead[world.steps]
+        self._robot.aim(self._joints, position, velocity)
+        if late <= 0:
             return None
         error = np.abs(self._robot.positions()[self.rows] - self._path.positions[-1])
         slow = np.abs(self._robot.velocities()[self.rows]).max() < STILL
         if error.max() < END_TOLERANCE and slow:
             return Ended()
-        if t > end + GRACE:
+        if late > GRACE:
             joint = self._path.names[int(error.argmax())]
             state = "still moves and is" if error.max() < END_TOLERANCE else "is still"
             return Ended("aborted", f"{joint} {state} {error.max():.3f} rad away from the end of the trajectory")
@@ -186,15 +187,17 @@ class MoveHand:
     def __init__(
         self, robot: SimRobot, rows: Indices, goal: Array, duration: float, begun: float, force: float | None = None
     ):
-        self.rows, self._robot, self._goal, self._force = rows, robot, goal, force
-        self._start = robot.targets(rows)
+        self.rows, self._robot, self._force = rows, robot, force
+        start: Array = robot.targets(rows)
+        self._ways = list(zip(rows.tolist(), start.tolist(), (goal - start).tolist(), strict=True))
         self._duration, self._begun = duration, begun
         self._still_since: float | None = None
 
     def advance(self, world: World) -> Ended | None:
         t = world.time - self._begun + world.spec.dt
         part = min(1.0, t / self._duration)
-        self._robot.drive(self.rows, self._start + (self._goal - self._start) * part)
+        for row, start, way in self._ways:
+            self._robot.aim([row], [start + way * part], [0.0])
         if t <= self._duration:
             return None
         if np.abs(self._robot.velocities()[self.rows]).max() > STILL or not self._presses_as_told(world):

@@ -63,7 +63,7 @@ class SimRobot:
         self._exert, self._weight = self.body.set_qf, self.body.compute_passive_force
         self._rows = {joint.name: row for row, joint in enumerate(self._joints)}
         count, self._dt = len(self._joints), scene.timestep
-        self._target, self._speed = np.zeros(count), np.zeros(count)
+        self._target, self._speed = [0.0] * count, [0.0] * count
         self._stiffness, self._damping = np.zeros(count), np.zeros(count)
         self._limit, self._force = np.zeros(count), np.zeros(count)
         self._ranges: dict[int, tuple[float, float]] = {}
@@ -95,8 +95,22 @@ class SimRobot:
     def drive(self, rows: Indices, positions: Array, velocities: Array | None = None) -> None:
         """Set drive targets [rad, rad/s]; without velocities the joints are to stand still."""
         speeds = [0.0] * len(rows) if velocities is None else velocities.tolist()
-        for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds, strict=True):
-            self._aim(row, position, speed)
+        self.aim(rows.tolist(), positions.tolist(), speeds)
+
+    def aim(self, rows: Iterable[int], positions: Iterable[float], speeds: Iterable[float]) -> None:
+        """Set drive targets, as `drive` does, of what was made ready for many steps; PhysX is told what is new."""
+        targets, before, drives = self._target, self._speed, self._drives
+        for row, position, speed in zip(rows, positions, speeds, strict=True):
+            if row in self._ranges:
+                low, high = self._ranges[row]
+                kept = min(max(position, low), high)
+                position, speed = kept, speed if kept == position else 0.0
+            if position != targets[row]:
+                targets[row] = position
+                drives[row][0](position)
+            if speed != before[row]:
+                before[row] = speed
+                drives[row][1](speed)
 
     def follow(self) -> None:
         """Note where joints are, and aim those that mimic others by drives of their own at where those *are*.
@@ -110,7 +124,7 @@ class SimRobot:
         speeds = self.body.get_qvel()
         for row, mimic in self._aimed:
             leader = self._rows[mimic.joint]
-            self._aim(row, mimic.multiplier * before.item(leader) + mimic.offset, speeds.item(row))
+            self.aim([row], [mimic.multiplier * before.item(leader) + mimic.offset], [speeds.item(row)])
 
     def limit_torque(self, rows: Iterable[int], limit: float | None) -> None:
         """Limit the torque of drives [N m] and of those that mimic them; None restores the description's limits."""
@@ -133,7 +147,7 @@ class SimRobot:
             return
         here = float(self.positions()[row])
         self._ranges[row] = between if between[0] <= between[1] else (here, here)
-        self._aim(row, float(self._target[row]), 0.0)
+        self.aim([row], [self._target[row]], [0.0])
 
     def _note_pressing(self) -> None:
         self.pressing = {}
@@ -173,7 +187,7 @@ class SimRobot:
 
     def targets(self, rows: Indices) -> Array:
         """Return the drive targets [rad]."""
-        return self._target[rows].copy()
+        return np.array(self._target)[rows]
 
     def positions(self) -> Array:
         """Return all joint positions [rad]."""
@@ -189,7 +203,7 @@ class SimRobot:
     def kept(self) -> dict[str, Array]:
         """Return everything that makes the robot move on as it does: states, targets and limits of all joints."""
         driven = {"targets": self._target, "speeds": self._speed, "limits": self._limit, "forces": self._force}
-        copies = {name: each.copy() for name, each in driven.items()}
+        copies = {name: np.array(each) for name, each in driven.items()}
         return {"positions": self.positions(), "velocities": np.asarray(self.body.get_qvel(), dtype=float), **copies}
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
@@ -201,32 +215,22 @@ class SimRobot:
         self.body.set_qpos(np.asarray(kept["positions"], np.float32))
         self.body.set_qvel(np.asarray(kept["velocities"], np.float32))
         self._before = self.positions() - kept["velocities"] * self._dt
+        self.drive(np.arange(count), kept["targets"], kept["speeds"])
         for row in range(count):
-            self._aim(row, float(kept["targets"][row]), float(kept["speeds"][row]))
             self.limit_torque([row], float(kept["limits"][row]))
         self._force[:] = kept["forces"]
         self._note_pressing()
 
     def measure(self, rows: Indices) -> Measured:
         """Return the state of joints; the efforts are what the drives give, without the weight that is compensated."""
-        q, v = self.positions()[rows], self.velocities()[rows]
-        wanted = self._stiffness[rows] * (self._target[rows] - q) + self._damping[rows] * (self._speed[rows] - v)
+        q, v, speeds = self.positions()[rows], self.velocities()[rows], np.array(self._speed)[rows]
+        wanted = self._stiffness[rows] * (self.targets(rows) - q) + self._damping[rows] * (speeds - v)
         effort = np.clip(wanted, -self._limit[rows], self._limit[rows])
         return Measured(tuple(self._joints[r].name for r in rows.tolist()), q, v, effort)
 
     def compensate(self) -> None:
         """Apply the joint forces that carry the robot's own weight; before each step."""
         self._exert(self._weight(True, True))
-
-    def _aim(self, row: int, position: float, speed: float) -> None:
-        if row in self._ranges:
-            low, high = self._ranges[row]
-            kept = min(max(position, low), high)
-            position, speed = kept, speed if kept == position else 0.0
-        self._target[row], self._speed[row] = position, speed
-        aim, go = self._drives[row]
-        aim(position)
-        go(speed)
 
     def _set_drives(self) -> None:
         self._most = [self.description.drives[joint.name].limit for joint in self._joints]
