@@ -6,7 +6,7 @@ that the same run meets the same faults.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 from zlib import crc32
@@ -136,23 +136,19 @@ class _Due:
     on: tuple[str, ...] = ()
 
 
-class Event(NamedTuple):
-    """A fault that has begun, or is over: its name, what happened, whether it ended."""
-
-    name: str
-    words: str
-    over: bool = False
-
-
 class Faults:
-    """Has the faults of a world happen."""
+    """Has the faults of a world happen.
+
+    Attributes:
+        on_event: told of each that begins or is over: its name, what happened, whether it is over.
+    """
 
     def __init__(self, faults: Mapping[str, Fault], seed: int, world: World):
         self._faults, self._seed, self._world = dict[str, Fault](), seed, world
         self._due: list[_Due] = []
         self._counts, self._happened = dict[str, int](), dict[str, int]()
         self._on: dict[str, Fault] = {}
-        self._told: list[Event] = []
+        self.on_event: Callable[[str, str, bool], None] = lambda name, words, over: None
         for name, fault in faults.items():
             self.add(name, fault)
 
@@ -185,11 +181,6 @@ class Faults:
         self._due = [due for due in self._due if due not in ready]
         for due in ready:
             self._begin(due) if due.begins else self._end(due)
-
-    def told(self) -> list[Event]:
-        """Return what has happened since this was asked last."""
-        events, self._told = self._told, []
-        return events
 
     @property
     def any(self) -> bool:
@@ -239,7 +230,7 @@ class Faults:
         else:
             self._on[name] = fault
             lasts = lasts or 0.0 if fault.fault == "abort" else lasts
-        self._told.append(Event(name, f"{fault.fault} of {', '.join(on) or _KINDS[fault.fault].everything}"))
+        self.on_event(name, f"{fault.fault} of {', '.join(on) or _KINDS[fault.fault].everything}", False)
         if lasts is not None and fault.fault != "push":
             self._due.append(_Due(name, self._world.time + lasts, False, on))
 
@@ -251,7 +242,7 @@ class Faults:
             self._world.robot.restrict(fault.of, None)
         self._on.pop(due.name, None)
         if fault.lasts is not None:
-            self._told.append(Event(due.name, f"{fault.fault} is over", over=True))
+            self.on_event(due.name, f"{fault.fault} is over", True)
 
 
 def darkened(image: NDArray[np.uint8], factor: float) -> NDArray[np.uint8]:

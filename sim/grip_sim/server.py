@@ -68,6 +68,7 @@ class Server:
         self._until: float | None = None
         self._told = self._due = 0.0
         self.world = World(spec)
+        self.world.faults.on_event = lambda *event: self._send({"id": 0, "fault": event})
 
     def serve(self) -> None:
         """Obey until the client is gone."""
@@ -178,7 +179,6 @@ class Server:
 
     def _step(self) -> None:
         self.world.step()
-        self._tell_faults()
         if self._film is not None:
             self._film.stepped(self.world.time)
 
@@ -188,10 +188,6 @@ class Server:
             if why := faults.aborted(self.world.robot.groups_of(motion.rows)):
                 return Ended("aborted", why)
         return motion.advance(self.world)
-
-    def _tell_faults(self) -> None:
-        for event in self.world.faults.told():
-            self._send({"id": 0, "fault": [event.name, event.words, event.over]})
 
     def _finish(self, number: int, end: Ended) -> None:
         motion = self._motions.pop(number)
@@ -343,10 +339,6 @@ class Server:
         if film is not None:
             film.close()
 
-    def _call_entered(self, number: int, node: str) -> None:
-        self.world.faults.entered(node)
-        self._tell_faults()
-
     def _call_put_back(self, number: int, kept: dict[str, Array], cancel: bool) -> None:
         moving = [number for number, motion in self._motions.items() if motion.rows.size]
         if moving and not cancel:
@@ -365,6 +357,7 @@ OF_WORLD: Mapping[str, Callable[..., Answer | None]] = {
     "spawn": lambda world, spec: world.spawn(TypeAdapter(ObjectSpec).validate_python(spec)),
     "remove": World.remove,
     "inject": lambda world, name, fault: world.inject(name, Fault.model_validate(fault)),
+    "entered": lambda world, node: world.faults.entered(node),
     "camera_pose": lambda world, camera: {"pose": _listed(world.cameras.pose(camera))},
     "truth": lambda world: {"truth": list(map(tuple, judge(world)))},
     "measures": lambda world: {"measures": world.measures()},
