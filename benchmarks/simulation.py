@@ -24,8 +24,8 @@ from grip_sim.world import World
 from grip_sim.worlds import load_world
 
 ROUNDS, STEPS, STARTS, FRAMES = 5, 240, 5, 60
-TURNS, TURN = 300, 12
-"""Of steps of ours and bare ones, and steps of each; 12 are a multiple of those between two looks at contacts."""
+TURNS, TURN = 150, 24
+"""Of steps of ours and bare ones, and steps of each; 24 are a multiple of those between two looks at contacts."""
 AT = np.array([0.2319, 0.6334, -0.4097, -2.4792, 2.2391, 1.4242, -1.3702])
 """Arm positions at which the open hand surrounds what stands at `SPOT` [rad]."""
 SPOT = Pose([0.55, 0.05, 0.09])

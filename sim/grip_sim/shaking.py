@@ -8,14 +8,17 @@ when its first stroke had begun.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from math import acos, dist
+from operator import mul
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.values import Pose
 from grip_bt.base.yaml.models import Positive, Settings
 
+Lay: TypeAlias = tuple[list[float], list[float]]
+"""How an object lies in a hand's frame: its centre [m] and quaternion w x y z."""
 MEASURE = "held_through_shake"
 SHORT, SLOW = 0.8, 1.25
 """Least length and longest duration of a stroke, as parts of what is asked: arms lag behind their targets. Much
@@ -46,7 +49,7 @@ class ShakeConfig(Settings):
 class _Seen(NamedTuple):
     place: float
     time: float
-    held: Mapping[str, Pose]
+    held: Mapping[str, Lay]
 
 
 class Shaking:
@@ -54,16 +57,16 @@ class Shaking:
 
     Args:
         where: returns where the hand is, shape (3,) [m].
-        held: returns the pose of each object in it.
+        held: returns how each object lies in it.
     """
 
-    def __init__(self, said: ShakeConfig, where: Callable[[], Array], held: Callable[[], Mapping[str, Pose]]):
+    def __init__(self, said: ShakeConfig, where: Callable[[], Array], held: Callable[[], Mapping[str, Lay]]):
         self._said, self._where, self._held = said, where, held
         self.due = -np.inf
-        self._turned, self._furthest = list[_Seen](), list[_Seen]()
+        self._turned, self._furthest = list[_Seen](), list[tuple[float, float]]()
         self._strokes, self._needed = np.zeros(3, dtype=int), int(2 * said.frequency * said.seconds) - 1
         self._last = self._looked = self._end = -np.inf
-        self._stayed: dict[str, Pose] = {}
+        self._stayed: dict[str, Lay] = {}
         """What has stayed in the hand since the shake began, as it lay then."""
 
     @property
@@ -76,14 +79,15 @@ class Shaking:
         self._looked, self.due, here = time, time + 1 / (LOOKS * self._said.frequency), self._where().tolist()
         if not self._turned:
             self._turned = [_Seen(place, time, self._held()) for place in here]
-            self._furthest = list(self._turned)
-        for axis, (place, begun, end) in enumerate(zip(here, self._turned, self._furthest, strict=True)):
-            way = place - end.place
-            if way * (end.place - begun.place) >= 0:
-                self._furthest[axis] = _Seen(place, time, {})
+            self._furthest = [(place, time) for place in here]
+        for axis, (place, begun, (end, at)) in enumerate(zip(here, self._turned, self._furthest, strict=True)):
+            way = place - end
+            if way * (end - begun.place) >= 0:
+                self._furthest[axis] = place, time
             elif abs(way) > BACK * self._said.amplitude:
-                self._turn(axis, begun, end)
-                self._turned[axis], self._furthest[axis] = end._replace(held=self._held()), _Seen(place, time, {})
+                turned = _Seen(end, at, self._held())
+                self._turn(axis, begun, turned)
+                self._turned[axis], self._furthest[axis] = turned, (place, time)
         if self._stayed:
             stay, now = self._stayed.items(), self._held()
             self._stayed = {name: before for name, before in stay if name in now and self._as_before(before, now[name])}
@@ -100,6 +104,6 @@ class Shaking:
         self._last, self._end = self._looked, end.time
         self._strokes[axis] += 1
 
-    def _as_before(self, before: Pose, now: Pose) -> bool:
-        turn = 2 * np.arccos(min(abs(float(before.quaternion @ now.quaternion)), 1.0))
-        return bool(np.linalg.norm(now.position - before.position) <= self._said.shift and turn <= self._said.turn)
+    def _as_before(self, before: Lay, now: Lay) -> bool:
+        turn = 2 * acos(min(abs(sum(map(mul, before[1], now[1]))), 1.0))
+        return dist(before[0], now[0]) <= self._said.shift and turn <= self._said.turn

@@ -27,7 +27,7 @@ from grip_sim.liquids import Liquids
 from grip_sim.objects import load_object
 from grip_sim.physics import FIXED, SLIPPERY, SOLID, add_model, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
-from grip_sim.shaking import MEASURE, Shaking
+from grip_sim.shaking import MEASURE, Lay, Shaking
 from grip_sim.specs import SPILLED, VOLUME, BoxSpec, MeshSpec, ObjectSpec, WorldSpec
 from grip_sim.touch import Slipping, wrist_wrench
 
@@ -51,7 +51,7 @@ class Contact(NamedTuple):
 
 TOUCH = 1e-3
 """Contact forces below this are none [N]."""
-FEELING, SELDOM = 1 / 80, 4
+FEELING, SELDOM = 1 / 80, 8
 """Interval at which a regulated force is felt [s], as asking for contacts takes as long as a step; and so many times
 that while it is as it is to be."""
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
@@ -70,22 +70,22 @@ class World:
 
     def __init__(self, spec: WorldSpec, description: RobotDescription | None = None):
         self.spec = spec
-        self._scene = make_scene(spec.dt)
-        self.physics: Callable[[], None] = self._scene.physx_system.step
+        self.scene = make_scene(spec.dt)
+        self.physics: Callable[[], None] = self.scene.physx_system.step
         """Advances the bare scene."""
         under = (0.0, 0.0, spec.floor - FLOOR_DEPTH / 2)
         floor = BoxSpec(FLOOR, (FLOOR_SIZE, FLOOR_SIZE, FLOOR_DEPTH), under, FLOOR_COLOUR)
         fixtures: list[BoxSpec | MeshSpec] = [*spec.boxes, floor, *spec.meshes]
         still = [self._add_still(each) for each in fixtures]
-        self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
-        self._own, self._links = frozenset(self.robot.links), {link.name: link for link in self.robot.links}
-        check_names(spec, self._links)
+        self.robot = SimRobot(self.scene, description or load_robot(spec.robot))
+        self._own, self.links = frozenset(self.robot.links), {link.name: link for link in self.robot.links}
+        check_names(spec, self.links)
         hands = self.robot.description.hands.items()
-        self._fingers = {hand: {self._links[name] for name in names if name in self._links} for hand, names in hands}
+        self._fingers = {hand: {self.links[name] for name in names if name in self.links} for hand, names in hands}
         self._liquids = Liquids(self._underside, self._uprightness)
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self.articulated = {
-            name: make_articulated(self._scene, name, said, lambda *two: self.cameras.replaced(*two), self._liquids)
+            name: make_articulated(self.scene, name, said, lambda *two: self.cameras.replaced(*two), self._liquids)
             for name, said in spec.articulated.items()
         }
         self._slipping = {hand: Slipping() for hand in self._fingers}
@@ -99,7 +99,7 @@ class World:
         links = [Target(link, link.name, c) for each in self.articulated.values() for link, c in each.links.items()]
         seen = [*still, *self._robot_targets(), *map(self._object_target, spec.objects), *links]
         self._shaking = self._watch()
-        self.cameras = Rig(spec, seen, self._links, self.faults, self._scene)
+        self.cameras = Rig(self, seen)
 
     @property
     def time(self) -> float:
@@ -115,15 +115,15 @@ class World:
             each.before_step()
         self._liquids.settle()
         self.physics()
-        self.steps += 1
+        self.steps = steps = self.steps + 1
         self._moved.clear()
         for hand, rows in self.robot.pressing.items():
-            if self.steps >= self._felt[hand][1]:
+            if steps >= self._felt[hand][1]:
                 self._regulate(hand, rows)
-        time = self.time
-        if self._shaking is not None and time >= self._shaking.due:
-            self._shaking.look(time)
-        self.cameras.stepped(time)
+        if self._shaking is not None and self.time >= self._shaking.due:
+            self._shaking.look(self.time)
+        if steps >= self.cameras.due:
+            self.cameras.keep()
 
     def object_pose(self, name: str) -> Pose:
         """Return the pose of an object's centre in world."""
@@ -144,7 +144,7 @@ class World:
 
     def spawn(self, spec: ObjectSpec) -> None:
         """Add an object. Raises ValueError where something has its name."""
-        check_names(replace(self.spec, objects=(*self.spec.objects, spec)), self._links)
+        check_names(replace(self.spec, objects=(*self.spec.objects, spec)), self.links)
         self.spec = replace(self.spec, objects=(*self.spec.objects, spec))
         self._objects[spec.name] = self._add_object(spec)
         self.cameras.show([*self.cameras.targets, self._object_target(spec)])
@@ -188,13 +188,13 @@ class World:
 
     def link_pose(self, name: str) -> Pose:
         """Return the pose of a robot's link in world."""
-        if name not in self._links:
-            raise UnknownNameError("link", name, self._links)
-        return _pose(self._links[name].entity_pose)
+        if name not in self.links:
+            raise UnknownNameError("link", name, self.links)
+        return _pose(self.links[name].entity_pose)
 
     def contacts(self) -> Iterator[Contact]:
         """Yield the contacts of the last step that carry a force, of both bodies; of those moved since then none."""
-        for contact in self._scene.get_contacts():
+        for contact in self.scene.get_contacts():
             one, two = (body.entity.name for body in contact.bodies)
             if self._force(contact) > TOUCH and self._moved.keys().isdisjoint((one, two)):
                 x, y, z = (_impulse(contact) / self.spec.dt).tolist()
@@ -262,7 +262,7 @@ class World:
     def _touching(self, hand: str) -> Iterator[tuple[Any, Any, physx.PhysxContact]]:
         """Yield the contacts of a hand's links with what isn't the robot, with the link and the body."""
         fingers, own, moved = self._fingers.get(hand, ()), self._own, self._moved
-        for contact in self._scene.get_contacts():
+        for contact in self.scene.get_contacts():
             one, two = contact.bodies
             if (one in fingers) == (two in fingers):
                 continue  # names take their time, and most contacts are of others
@@ -315,11 +315,12 @@ class World:
     def _watch(self) -> Shaking | None:
         if self.spec.shake is None:
             return None
-        palm = self._links[self.robot.description.grasp_frame.link]
+        palm = self.links[self.robot.description.grasp_frame.link]
         return Shaking(self.spec.shake, lambda: palm.entity_pose.p, lambda: self._seen_from(palm.entity_pose.inv()))
 
-    def _seen_from(self, place: sapien.Pose) -> dict[str, Pose]:
-        return {name: _pose(place * body.entity_pose) for name, body in self._objects.items()}
+    def _seen_from(self, place: sapien.Pose) -> dict[str, Lay]:
+        seen = {name: place * body.entity_pose for name, body in self._objects.items()}
+        return {name: (pose.p.tolist(), pose.q.tolist()) for name, pose in seen.items()}
 
     def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
         if name not in self._objects:
@@ -327,7 +328,7 @@ class World:
         return self._objects[name]
 
     def _add_still(self, spec: BoxSpec | MeshSpec) -> Target:
-        builder = self._scene.create_actor_builder()
+        builder = self.scene.create_actor_builder()
         if isinstance(spec, BoxSpec):
             builder.add_box_collision(half_size=[s / 2 for s in spec.size], material=FIXED)
         else:
@@ -350,8 +351,8 @@ class World:
         if spec.vessel is not None:
             self._liquids.add(spec.name, spec.vessel)
         if spec.shape == "model":
-            return add_model(self._scene, spec, load_object(Path(spec.model)))
-        builder = self._scene.create_actor_builder()
+            return add_model(self.scene, spec, load_object(Path(spec.model)))
+        builder = self.scene.create_actor_builder()
         material = movable(spec.friction)
         r, h = spec.radius, spec.height
         if spec.shape == "cylinder":

@@ -124,7 +124,7 @@ def test_each_comes_to_rest_on_a_table(name):
     before, deepest = world.object_pose("it"), 0.0
     for _ in range(240):
         world.step()
-        deepest = min([deepest, *(point.separation for c in world._scene.get_contacts() for point in c.points)])
+        deepest = min([deepest, *(point.separation for c in world.scene.get_contacts() for point in c.points)])
     assert before.position[2] > 0
     rolls = name in ("ball", "tennis_ball", "apple", "egg", "pen", "can", "screwdriver", "pipette", "tube", "banana")
     assert np.linalg.norm(np.subtract(world.object_pose("it").position, before.position)) < (0.05 if rolls else 5e-4)

@@ -17,7 +17,10 @@ class Hand:
 
     def __init__(self):
         self.time, self.place, self.thing = 0.0, np.zeros(3), Pose()
-        self.watch = Shaking(SAID, lambda: self.place, lambda: {"thing": self.thing} if self.thing else {})
+        self.watch = Shaking(SAID, lambda: self.place, self.held)
+
+    def held(self):
+        return {"thing": (self.thing.position.tolist(), self.thing.quaternion.tolist())} if self.thing else {}
 
     def follow(self, ways):
         for way in ways:

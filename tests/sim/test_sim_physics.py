@@ -38,7 +38,7 @@ def test_what_rests_sinks_in_by_less_than_half_a_millimetre(make_world, name, se
     for _ in range(int(3 / world.spec.dt)):
         world.step()
     objects = {thing.name for thing in world.spec.objects}
-    touching = [c for c in world._scene.get_contacts() if objects & {body.entity.name for body in c.bodies}]
+    touching = [c for c in world.scene.get_contacts() if objects & {body.entity.name for body in c.bodies}]
     depths = [point.separation for contact in touching for point in contact.points]
     assert depths
     assert min(depths) > -5e-4

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 from zlib import crc32
 
 import cv2
@@ -17,24 +18,23 @@ from grip_bt.base.values import Pose
 from grip_sim.cameras import Frame, Places, Renderer, vulkan_works
 from grip_sim.cameras.looks import Target
 from grip_sim.cameras.raster import RasterRenderer
-from grip_sim.faults import Faults, darkened
-from grip_sim.physics import physx, sapien
-from grip_sim.specs import CameraSpec, WorldSpec
+from grip_sim.faults import darkened
+from grip_sim.physics import physx
+from grip_sim.specs import CameraSpec
+
+if TYPE_CHECKING:  # which makes the rig
+    from grip_sim.world import World
+
+APART = 1 / 120
+"""Interval at which where everything is is kept for late cameras [s], which show it so much later at most."""
 
 
 class Rig:
     """Takes frames of bodies. Raises UnknownNameError where a camera is on a link that the robot doesn't have."""
 
-    def __init__(
-        self,
-        spec: WorldSpec,
-        targets: Sequence[Target],
-        links: Mapping[str, physx.PhysxRigidBaseComponent],
-        faults: Faults,
-        scene: sapien.Scene,
-    ):
-        self._faults, self._last, self._scene, self._pack = faults, dict[str, Frame](), scene, scene.pack_poses
-        self._seed = spec.seed
+    def __init__(self, world: World, targets: Sequence[Target]):
+        self._world, self._last, self._pack = world, dict[str, Frame](), world.scene.pack_poses
+        spec, links = world.spec, world.links
         self._specs = {camera.name: camera for camera in spec.cameras}
         carriers = dict.fromkeys(camera.link for camera in spec.cameras if camera.link is not None)
         for name in carriers.keys() - links.keys():
@@ -43,57 +43,54 @@ class Rig:
         self._taken = dict.fromkeys(self._specs, 0)
         self._renderers: dict[CameraSpec, Renderer] = {}
         self._latency = max((camera.noise.latency for camera in spec.cameras if camera.noise is not None), default=0.0)
-        self._past: deque[bytes] = deque(maxlen=0)
-        """Where everything was, after each of the last steps."""
-        self._dt, self._time = spec.dt, 0.0
+        self._past: deque[tuple[int, bytes]] = deque(maxlen=0)
+        """Where everything was, after some of the last steps."""
+        self._dt, self._apart = spec.dt, max(1, int(APART / spec.dt + 1e-6))
+        self.due = np.inf
+        """The step after which that is kept again."""
         self.remember(max((fault.lag or 0.0 for fault in spec.faults.values()), default=0.0))
         self.show(targets)
 
     def remember(self, lag: float) -> None:
         """Keep where everything was for frames that a fault makes so late [s], on top of what sensors do."""
         late = self._latency + lag
-        steps = int(np.ceil(late / self._dt)) + 1 if late else 0
-        if steps > (self._past.maxlen or 0):
-            self._past = deque(self._past, steps)
+        count = int(np.ceil(late / self._dt / self._apart)) + 2 if late else 0
+        if count > (self._past.maxlen or 0):
+            self._past, self.due = deque(self._past, count), min(self.due, self._world.steps)
 
     def show(self, targets: Sequence[Target]) -> None:
         """See these bodies from now on, in place of all others."""
         self.targets = tuple(targets)
         self._rows = {name: len(targets) + i for i, name in enumerate(self._carriers)}
-        self._find()
         self._renderers.clear()
+        places = {entity: row for row, entity in enumerate(self._world.scene.entities)}
+        self._places = [places[b.entity] for b in (*(each.body for each in self.targets), *self._carriers.values())]
+        self.forget()
 
     def replaced(self, old: physx.PhysxRigidBaseComponent, new: physx.PhysxRigidBaseComponent) -> None:
         """Show a body where another of the same shape is from now on."""
-        self.targets = tuple(replace(each, body=new) if each.body is old else each for each in self.targets)
-        self._find()
-
-    def _find(self) -> None:
-        """Find where in the scene's poses those of the bodies are."""
-        places = {entity: row for row, entity in enumerate(self._scene.entities)}
-        self._places = [places[b.entity] for b in (*(each.body for each in self.targets), *self._carriers.values())]
-        self.forget()
+        self.show([replace(each, body=new) if each.body is old else each for each in self.targets])
 
     def forget(self) -> None:
         """Show nothing of what was before, however late a camera is."""
         self._past.clear()
 
-    def stepped(self, time: float) -> None:
-        """Keep where everything is after a step [s], for cameras that show it late."""
-        self._time = time
-        if self._past.maxlen:
-            self._past.append(self._pack())
+    def keep(self) -> None:
+        """Keep where everything is, for cameras that show it late; when it is due."""
+        now = self._world.steps
+        self._past.append((now, self._pack()))
+        self.due = now + self._apart
 
     def look(self, name: str) -> Frame:
         """Take a frame with a camera, as its sensor gives it. Raises UnknownNameError where there is no such camera."""
         spec = self._spec(name)
-        if self._faults.of_camera("freeze", name) and name in self._last:
-            return replace(self._last[name], time=self._time)
-        late = self._faults.of_camera("late", name)
+        if self._world.faults.of_camera("freeze", name) and name in self._last:
+            return replace(self._last[name], time=self._world.time)
+        late = self._world.faults.of_camera("late", name)
         frame = self._sensed(spec, 0.0 if late is None else late.lag or 0.0)
-        if self._faults.of_camera("blackout", name):
+        if self._world.faults.of_camera("blackout", name):
             frame = replace(frame, image=np.zeros_like(frame.image), depth=np.zeros_like(frame.depth))
-        self._last[name] = replace(frame, image=darkened(frame.image, self._faults.brightness))
+        self._last[name] = replace(frame, image=darkened(frame.image, self._world.faults.brightness))
         return self._last[name]
 
     def _sensed(self, spec: CameraSpec, lag: float) -> Frame:
@@ -103,7 +100,7 @@ class Rig:
         if noise is None:
             return frame
         self._taken[spec.name] += 1
-        seed, info = [self._seed, crc32(spec.name.encode()), self._taken[spec.name]], spec.info()
+        seed, info = [self._world.spec.seed, crc32(spec.name.encode()), self._taken[spec.name]], spec.info()
         rays = info.rays()
         cosine = -np.einsum("ijk,ijk->ij", frame.normals, rays) / np.linalg.norm(rays, axis=2)
         depth = noise.on_depth(frame.depth, cosine, float(info.matrix[0, 0]), seed)
@@ -125,10 +122,12 @@ class Rig:
         return self._specs[name]
 
     def _shown(self, latency: float) -> tuple[float, Array]:
-        """Return the last time at least `latency` ago [s], or the first one known, and where bodies were then."""
-        ago = min(int(np.ceil(latency / self._dt - 1e-6)), max(len(self._past) - 1, 0))
-        packed = np.frombuffer(self._past[-1 - ago] if ago else self._pack(), np.float32).reshape(-1, 7)
-        return self._time - ago * self._dt, np.roll(packed[self._places], 3, axis=1).astype(float)
+        """Return the last time kept at least `latency` ago [s], or the first one kept, and where bodies were then."""
+        now, ago = self._world.steps, int(np.ceil(latency / self._dt - 1e-6))
+        old = max((kept for kept in self._past if kept[0] <= now - ago), default=next(iter(self._past), None))
+        then, packed = (now, self._pack()) if not ago or old is None else old
+        rows = np.frombuffer(packed, np.float32).reshape(-1, 7)[self._places]
+        return then * self._dt, np.roll(rows, 3, axis=1).astype(float)
 
     def _pose(self, spec: CameraSpec, rows: Array) -> Pose:
         pose = spec.info().pose
