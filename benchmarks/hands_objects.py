@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import tempfile
 import time
@@ -23,8 +24,9 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import ExitStack
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -260,6 +262,18 @@ def run_pair(hand: str, thing: str, dt: float, seeds: Iterable[int]) -> list[Row
         return [bench.trial(seed) for seed in seeds]
 
 
+def end_with_parent() -> None:
+    """Have a worker's process end when the one that started it is gone, however suddenly; nobody else would end it."""
+    parent = parent_process()
+    assert parent is not None, "this is a worker"
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    Thread(target=watch, name="parent", daemon=True).start()
+
+
 def rows_of(file: Path) -> list[Row]:
     """Return what a file holds."""
     return [json.loads(line) for line in file.read_text().splitlines()]
@@ -287,7 +301,8 @@ def main() -> int:
         pairs = [(hand, thing) for thing in args.objects for hand in args.hands]
         seeds = range(args.first, args.first + args.poses)
         left = {pair: [seed for seed in seeds if (*pair, seed) not in done] for pair in pairs}
-        with ProcessPoolExecutor(args.workers, get_context("spawn")) as pool, file.open("a") as out:
+        pool = ProcessPoolExecutor(args.workers, get_context("spawn"), initializer=end_with_parent)
+        with pool, file.open("a") as out:
             running = [pool.submit(run_pair, *pair, args.dt, missing) for pair, missing in left.items() if missing]
             for ended in as_completed(running):
                 for row in ended.result():
