@@ -90,7 +90,8 @@ class NoiseSpec:
         bleeds = at_edge & (lot < self.bleeding / 2)
         lost = at_edge & (lot >= self.bleeding / 2) & (lot < self.bleeding)
         lost |= (cosine < np.cos(self.grazing)) | (rng.random(depth.shape) < self.dropout)
-        true = np.where(bleeds & (other > 0), depth + share * (other - depth), depth).astype(float)
+        true, between = depth.astype(float), bleeds & (other > 0)
+        true[between] += share[between] * (other - depth)[between]
         found = true + off * self.deviation(true, focal, cosine)
         if self.unit:
             found = np.round(found / self.unit) * self.unit
@@ -100,8 +101,10 @@ class NoiseSpec:
         """Return the image that the sensor gives, likewise."""
         if not self.colour:
             return image
-        off = np.random.default_rng([*seed, 1]).standard_normal(image.shape, np.float32) * self.colour
-        return np.clip(np.round(image + off), 0, 255).astype(np.uint8)
+        found = np.random.default_rng([*seed, 1]).standard_normal(image.shape, np.float32)
+        found *= self.colour
+        found += image
+        return np.clip(np.rint(found, out=found), 0, 255, out=found).astype(np.uint8)
 
     def on_pose(self, pose: Pose, seed: list[int]) -> Pose:
         """Return the pose [m] that a frame taken at one says, likewise."""

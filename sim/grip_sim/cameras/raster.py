@@ -58,7 +58,7 @@ class RasterRenderer:
         boxes = [box_corners(each[:, 0].min(axis=0), each[:, 1].max(axis=0)) for each in reach]
         self._boxes, self._filled = np.array(boxes, float).reshape(-1, 8, 3), np.array(sizes, int) > 0
         self._fill(np.zeros(len(targets), bool))
-        self._rays = info.rays().reshape(-1, 3)
+        self._rays = np.ascontiguousarray(info.rays().reshape(-1, 3).T[:2])  # their z is 1
         self._field = 2 * np.arctan(info.height / 2 / info.matrix[1, 1])
         self._slope = np.array([info.width, info.height]) / 2 / info.matrix[[0, 1], [0, 1]]
         self._settings = cv2.TriangleRasterizeSettings()
@@ -91,8 +91,8 @@ class RasterRenderer:
     def draw(self, pose: Pose, places: Places) -> Frame:
         """Return what is seen from a pose of bodies at places; see `Renderer`."""
         turn = pose.rotation()
-        rotations, shifts = turn.T @ places.rotations, (places.positions - pose.position) @ turn
-        corners, rows, local = self._may_be_seen(rotations, shifts)
+        seen = Places(turn.T @ places.rotations, (places.positions - pose.position) @ turn)
+        corners, rows, local = self._may_be_seen(seen)
         number = np.zeros((self._info.height, self._info.width, 3), np.float32)
         if len(rows):
             depth = np.full(number.shape[:2], self._far, np.float32)
@@ -103,12 +103,11 @@ class RasterRenderer:
             cv2.triangleRasterize(
                 corners, triangles, colours, number, depth, eye, self._field, NEAR / 2, self._far, self._settings
             )
-        return self._shaded(number[:, :, 0].ravel().astype(np.int32) - 1, rotations, shifts, pose, local)
+        return self._shaded(number[:, :, 0].ravel().astype(np.int32) - 1, seen, pose, local)
 
-    def _may_be_seen(
-        self, rotations: Array, shifts: Array
-    ) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float32]]:
+    def _may_be_seen(self, places: Places) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float32]]:
         """Return the corners and the numbers of triangles that may have a pixel, and all points, of bodies in view."""
+        rotations, shifts = places
         far, near = [np.empty(0, np.int32)], [np.empty(0, np.int32)]
         boxes = self._boxes @ rotations.transpose(0, 2, 1) + shifts[:, None]
         crossing = boxes[:, :, 2].min(axis=1) < 2 * NEAR
@@ -135,60 +134,54 @@ class RasterRenderer:
         sides = (x > right * z, x < -right * z, y > down * z, y < -down * z, z < NEAR, z > self._far)
         return self._filled & ~np.any([side.all(axis=1) for side in sides], axis=0)
 
-    def _shaded(
-        self, number: NDArray[np.int32], rotations: Array, shifts: Array, pose: Pose, local: NDArray[np.float32]
-    ) -> Frame:
-        shape = (self._info.height, self._info.width)
-        hit = np.flatnonzero(number >= 0)
-        of = number.take(hit)
-        drawn = np.zeros(len(self._planes), bool)
-        drawn[of] = True
-        seen = np.flatnonzero(drawn)  # the triangles of which there is a pixel
-        row = (np.cumsum(drawn, dtype=np.int32) - 1).take(of)  # of each pixel in `seen`
+    def _shaded(self, number: NDArray[np.int32], places: Places, pose: Pose, local: NDArray[np.float32]) -> Frame:
+        shape, (rotations, shifts) = (self._info.height, self._info.width), places
+        drawn = np.zeros(len(self._planes) + 1, bool)
+        drawn[number] = drawn[-1] = True  # the last one stands for no triangle, -1
+        seen = np.flatnonzero(drawn[:-1])  # the triangles of which there is a pixel
+        row = (np.cumsum(drawn, dtype=np.int32) - 1).take(number)  # of each pixel in `seen`, or behind it
         whose = self._whose[seen]
-        turns = rotations[whose]
-        normals = np.einsum("nij,nj->ni", turns, self._planes[seen, :3])
-        offsets = self._planes[seen, 3] + np.einsum("ni,ni->n", normals, shifts[whose])
+        normals = np.zeros((len(seen) + 1, 3))
+        normals[:-1] = np.einsum("nij,nj->ni", rotations[whose], self._planes[seen, :3])
+        offsets = self._planes[seen, 3] + np.einsum("ni,ni->n", normals[:-1], shifts[whose])
         # per pixel, in as few passes as there can be: depth = offset / (normal . ray), with unit z of the ray
-        rays = self._rays.take(hit, axis=0)
-        along = np.einsum("ij,ij->i", normals.take(row, axis=0), rays)
+        x, y, z = (part.take(row) for part in np.ascontiguousarray(normals.T))
+        along = x * self._rays[0] + y * self._rays[1] + z
         reach = local[self._triangles[seen], 2]
-        low, high = reach.min(axis=1), reach.max(axis=1)
-        found = offsets.take(row) / np.minimum(along, -1e-12)
+        low, high = np.append(reach.min(axis=1), 0), np.append(reach.max(axis=1), 0)
+        found = np.append(offsets, -0.0).take(row) / np.minimum(along, -1e-12)
         found = np.clip(found, low.take(row), high.take(row))  # those seen edge-on have no other depth
-        depth, labels = np.zeros(len(number), np.float32), np.full(len(number), NOTHING, np.int16)
-        depth[hit], labels[hit] = found, whose.take(row)
-        facing = np.zeros((len(number), 3), np.float32)
-        facing[hit] = normals.astype(np.float32).take(row, axis=0)
+        labels = np.append(whose, np.int16(NOTHING)).take(row).reshape(shape)
+        facing = np.stack([x, y, z], axis=-1, dtype=np.float32, casting="same_kind").reshape(*shape, 3)
         light = AMBIENT + DIFFUSE * np.clip(normals @ (pose.rotation().T @ LIGHT), 0, 1)
-        image = np.full((len(number), 3), BACKGROUND, np.uint8)
-        image[hit] = np.clip(self._colours[seen] * light[:, None], 0, 255).astype(np.uint8).take(row, axis=0)
+        colours = np.full((len(seen) + 1, 4), (*BACKGROUND, 0), np.uint8)  # four bytes are taken as one number
+        colours[:-1, :3] = np.clip(self._colours[seen] * light[:-1, None], 0, 255)
+        image = np.ascontiguousarray(colours.view(np.uint32).take(row).view(np.uint8).reshape(-1, 4)[:, :3])
         for texture in self._textures:
-            self._put_on(texture, image, hit, of, found, light.take(row), rotations, shifts)
-        colours, seen_normals = image.reshape(*shape, 3), facing.reshape(*shape, 3)
-        return Frame(colours, depth.reshape(shape), labels.reshape(shape), self._names, seen_normals, pose)
+            self._put_on(texture, image, number, found, light.take(row), places)
+        depth = found.astype(np.float32).reshape(shape)
+        return Frame(image.reshape(*shape, 3), depth, labels, self._names, facing, pose)
 
     def _put_on(
         self,
         texture: _Texture,
         image: NDArray[np.uint8],
-        hit: NDArray[np.intp],
         number: NDArray[np.int32],
         depth: Array,
         light: Array,
-        rotations: Array,
-        shifts: Array,
+        at: Places,
     ) -> None:
         mine = np.flatnonzero((number >= texture.first) & (number < texture.first + len(texture.slopes)))
         if not mine.size:
             return
         body = self._whose[texture.first]
-        points = (self._rays[hit[mine]] * depth[mine, None] - shifts[body]) @ rotations[body]
+        rays = np.append(self._rays[:, mine], np.ones((1, mine.size)), axis=0).T
+        points = (rays * depth[mine, None] - at.positions[body]) @ at.rotations[body]
         rows = number[mine] - texture.first
         u, v = (np.einsum("nij,nj->ni", texture.slopes[rows], points) + texture.shifts[rows]).T
         height, width = texture.picture.shape[:2]
         columns, lines = np.floor(u * width).astype(int) % width, np.floor((1 - v) * height).astype(int) % height
-        image[hit[mine]] = texture.picture[lines, columns] * light[mine, None]
+        image[mine] = texture.picture[lines, columns] * light[mine, None]
 
 
 @lru_cache(maxsize=256)  # of a robot that is the same in another world

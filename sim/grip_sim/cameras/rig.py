@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 from zlib import crc32
@@ -100,10 +101,9 @@ class Rig:
         if noise is None:
             return frame
         self._taken[spec.name] += 1
-        seed, info = [self._world.spec.seed, crc32(spec.name.encode()), self._taken[spec.name]], spec.info()
-        rays = info.rays()
-        cosine = -np.einsum("ijk,ijk->ij", frame.normals, rays) / np.linalg.norm(rays, axis=2)
-        depth = noise.on_depth(frame.depth, cosine, float(info.matrix[0, 0]), seed)
+        seed = [self._world.spec.seed, crc32(spec.name.encode()), self._taken[spec.name]]
+        cosine = np.einsum("ijk,ijk->ij", frame.normals, _inward(spec))
+        depth = noise.on_depth(frame.depth, cosine, float(spec.info().matrix[0, 0]), seed)
         return replace(
             frame, depth=depth, image=noise.on_image(frame.image, seed), pose=noise.on_pose(frame.pose, seed)
         )
@@ -151,6 +151,13 @@ def make_renderer(spec: CameraSpec, targets: Sequence[Target]) -> Renderer:
 
         return SapienRenderer(spec.info(), spec.far, targets, visual)
     return RasterRenderer(spec.info(), spec.far, targets, visual)
+
+
+@lru_cache(maxsize=8)  # of a camera that is the same in another world
+def _inward(spec: CameraSpec) -> Array:
+    """Return the direction from what each pixel sees to the camera, in the optical frame."""
+    rays = spec.info().rays()
+    return -rays / np.linalg.norm(rays, axis=2, keepdims=True)
 
 
 RATE = 25
