@@ -53,6 +53,10 @@ def _printer(level: str) -> Logger:
 loginfo, logwarn, logdebug, logerr = map(_printer, ("  INFO ", "  WARN ", " DEBUG ", " ERROR "))
 
 
+def quiet(text: object) -> None:
+    """Say nothing; a traceback isn't even made for it."""
+
+
 def is_shutdown() -> bool:
     """Tell whether machines should stop at the next transition; `set_shutdown_check` replaces it."""
     return False

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, ClassVar, TypeVar
 
-from ._settings import hooks
+from ._settings import hooks, quiet
 from .exceptions import InvalidConstructionError, InvalidStateError, InvalidTransitionError
 from .state import State
 from .user_data import NOTHING, Remapper, Remapping, UserData
@@ -132,7 +132,7 @@ class Container(State):
         if error is None:
             self.close()
             return
-        if not isinstance(error, (InvalidStateError, InvalidTransitionError)):
+        if not isinstance(error, (InvalidStateError, InvalidTransitionError)) and hooks.logerr is not quiet:
             hooks.logerr("".join(traceback.format_exception(error)))
         innermost = False
         while not innermost and self.is_opened():  # whatever was opened inside and not closed, too

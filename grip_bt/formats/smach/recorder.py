@@ -29,6 +29,7 @@ from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_construction import CONTAINERS, Construction
 from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, names_in, read_source, run_as, workspace_of
 from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, unwrapped
+from grip_bt.smach_compat._settings import quiet
 from grip_bt.smach_compat.smach_ros._connection import names_used
 
 from . import tracked_code
@@ -221,11 +222,12 @@ class FileRecorder:
     def __init__(self, job: Job, workspace: Workspace):
         self.finder, self.record, self.read = StandInFinder(_ROS), Record(), set[str]()
         self.job, self.file, self.workspace, self.before = job, Path(job.file), workspace, frozenset(sys.modules)
+        self.name = module_name(self.file)
 
     def recorded(self) -> Record:
         """Import the file, and call its builders."""
         self._prepare()
-        job, name = self.job, module_name(self.file)
+        job, name = self.job, self.name
         tracked_code.legacy_modules.add(name)
         stand_ins.judged_by(asking := Asking(job.answers, job))
         sys.argv, sys.modules["__main__"].__file__ = stand_ins.known("sys.argv", [job.file]), job.file
@@ -248,12 +250,11 @@ class FileRecorder:
     def _prepare(self) -> None:
         for limit, most in ((resource.RLIMIT_AS, _MEMORY), (resource.RLIMIT_CORE, 0)):
             resource.setrlimit(limit, (most, most))
-        gc.disable()  # whatever it would find is written to, and so is copied in each child
         null = os.open(os.devnull, os.O_RDWR)
         for stream in range(3):
             os.dup2(null, stream)
         smach_compat.install(ros=False)  # states of smach_ros have stand-ins: recording never talks to ROS
-        smach_compat.set_loggers(*[lambda text: None] * 4)
+        smach_compat.set_loggers(*[quiet] * 4)
         ros_stand_ins(self.finder, self.workspace)
         sys.path[:] = [path for path in sys.path if path and not _is_of(path, self.workspace)]
         forget({name for folder in self.workspace.folders for name in _listed(folder)})
@@ -291,7 +292,7 @@ class FileRecorder:
             recording = Recording(asking)
             run, result = self._run(builder, asking, recording, call)
             run.calls, run.missing = self._calls, list(self._missing)
-            names = vars(sys.modules[module_name(self.file)])
+            names = vars(sys.modules[self.name])
             returned = None if recording.caught is not None else result
             if not run.error:  # else it isn't known what it would have added
                 run.machines = list(recording.machines(str(self.file), returned, names))
@@ -445,6 +446,7 @@ def record(job: Job) -> Record:
 
 def main() -> None:
     """Answer jobs until stdin ends."""
+    gc.disable()  # here are no cycles to speak of, and whatever it would look at is copied in each child
     for line in sys.stdin:
         sys.stdout.write(record(Job.model_validate_json(line)).model_dump_json(exclude_defaults=True) + "\n")
         sys.stdout.flush()

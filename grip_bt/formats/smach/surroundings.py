@@ -19,7 +19,7 @@ import sys
 import time
 import uuid
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree
@@ -44,6 +44,8 @@ _REFUSED = (
     *("os.mkdir", "os.truncate", "os.chmod", "os.link", "os.symlink", "shutil.", "socket.connect", "socket.bind"),
     *("socket.sendto", "os.kill"),
 )
+_READING = ("open", "os.listdir", "os.scandir")
+_is_refused = lru_cache(lambda event: event.startswith(_REFUSED))
 
 
 def guard(workspace: Workspace, read: set[str]) -> None:
@@ -52,10 +54,11 @@ def guard(workspace: Workspace, read: set[str]) -> None:
     own, python = str(workspace.root) + os.sep, (sys.prefix, sys.base_prefix, "/proc/", "/dev/", "/usr/lib", "/etc/ssl")
 
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
-        if event.startswith(_REFUSED) and caller() is not None:
-            raise PermissionError(f"{event} isn't allowed while machines are recorded")
-        if event not in ("open", "os.listdir", "os.scandir") or caller() is None:
+        refused = _is_refused(event)  # it comes with nearly all that Python does
+        if not (refused or event in _READING) or caller() is None:
             return
+        if refused:
+            raise PermissionError(f"{event} isn't allowed while machines are recorded")
         mode, flags = arguments[1:3] if event == "open" else (None, 0)
         writes = any(c in mode for c in "wax+") if isinstance(mode, str) else bool(flags and int(flags) & _WRITING)
         if writes:
