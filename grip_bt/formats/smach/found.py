@@ -223,5 +223,4 @@ class Record(BaseModel):
     runs: list[Run] = []
     read: list[str] = []
     error: str = ""
-    compiled: list[Path] = []
     libraries: list[str] = []

@@ -11,6 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from queue import SimpleQueue
 from signal import Signals
+from tempfile import TemporaryDirectory
 from typing import Any
 from zlib import crc32
 
@@ -30,6 +31,7 @@ class Recorder:
 
     def __enter__(self) -> Recorder:
         self._free = (SimpleQueue[Any](), SimpleQueue[Any]())
+        self._shelf = TemporaryDirectory(prefix="grip-smach-")
         for free in self._free * 2:  # one goes on while what the other runs only waits; they start when they are wanted
             free.put(None)
         return self
@@ -38,12 +40,12 @@ class Recorder:
         for free in self._free * 2:
             if process := free.get():
                 _end(process)
+        self._shelf.cleanup()
 
-    @staticmethod
-    def _start(kind: int) -> subprocess.Popen[str]:
+    def _start(self, kind: int) -> subprocess.Popen[str]:
         path = os.pathsep.join(filter(None, sys.path))
         environment = os.environ | {"PYTHONPATH": path, "PYTHONHASHSEED": str(kind + 1), "OPENBLAS_NUM_THREADS": "1"}
-        command = python_command("-c", f"from {__package__}.recorder import main; main()")
+        command = python_command("-c", f"from {__package__}.recorder import main; main({self._shelf.name!r})")
         pipe = subprocess.PIPE
         return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
 

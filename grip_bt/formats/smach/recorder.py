@@ -9,6 +9,7 @@ from __future__ import annotations
 import dis
 import gc
 import inspect
+import marshal
 import os
 import random
 import re
@@ -20,6 +21,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import lru_cache, partial
+from hashlib import sha256
 from pathlib import Path
 from types import CodeType, FrameType, ModuleType
 from typing import Any
@@ -200,20 +202,41 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
 
 
 _listed = lru_cache(maxsize=None)(names_in)
-_compiled: dict[Path, None] = {}
-_tries: dict[str, tracked_code.Tries] = {}
+_codes = dict[tuple[str, int], tuple[CodeType, tracked_code.Tries]]()
+_tries = dict[str, tracked_code.Tries]()
+_shelf, _fetched, _fresh = Path(os.devnull), set[str](), set[tuple[str, int]]()
+"""Where the processes of a `Recorder` keep what they compile, each file once for all; what was taken; what is new."""
 
 
 def _code(file: Path) -> CodeType:
-    _compiled[file] = None
-    tracked_code.files.add(str(file))
-    return _code_of(file, file.stat().st_mtime_ns)
+    key = str(file), file.stat().st_mtime_ns
+    tracked_code.files.add(key[0])
+    if key not in _codes:
+        tree, tries = tracked_code.tracked(read_source(file).tree)
+        _codes[key] = compile(tree, key[0], "exec"), tries
+        _fresh.add(key)
+    code, _tries[key[0]] = _codes[key]
+    return code
 
 
-@lru_cache(maxsize=4000)
-def _code_of(file: Path, changed: int) -> CodeType:
-    tree, _tries[str(file)] = tracked_code.tracked(read_source(file).tree)
-    return compile(tree, str(file), "exec")
+def _keep() -> None:
+    """Put on the shelf what this process has compiled; not at once, since nothing may be written under legacy code."""
+    while _fresh:
+        kept = marshal.dumps((key := _fresh.pop(), _codes[key]))
+        with suppress(OSError):  # others compile it again
+            (new := _shelf / f".{os.getpid()}").write_bytes(kept)
+            new.replace(_shelf / sha256(repr(key).encode()).hexdigest())
+
+
+def _fetch() -> None:
+    """Take what is new off the shelf, and look up here, once for all children, what importing it asks."""
+    for name in {name for name in os.listdir(_shelf) if name[0] != "."} - _fetched:
+        key, _codes[key] = marshal.loads((_shelf / name).read_bytes())
+        if ("*",) in _codes[key][0].co_consts:
+            names_used(_codes[key][0])
+        for folder in (Path(key[0]).parent, Path(key[0]).with_suffix("")):
+            _listed(folder)
+        _fetched.add(name)
 
 
 class FileRecorder:
@@ -244,7 +267,7 @@ class FileRecorder:
                 self.record.runs += answered(partial(self._built, builder, call), most)
         new = {name: module for name, module in sys.modules.items() if name not in self.before}
         self.record.libraries = [n for n, module in new.items() if "-packages" in str(getattr(module, "__file__", ""))]
-        self.record.read, self.record.compiled = sorted(self.read), list(_compiled)
+        self.record.read = sorted(self.read)
         return self.record
 
     def _prepare(self) -> None:
@@ -282,6 +305,7 @@ class FileRecorder:
         except BaseException as error:  # noqa: BLE001 - see in_child
             run.error = f"{type(error).__name__}: {error}"[:300] + _where(error)
         asking.over = True
+        _keep()
         run.answers, run.asked, run.told = asking.answers, asking.asked, list(asking.told.values())
         return run, result
 
@@ -301,6 +325,7 @@ class FileRecorder:
             run.wanted = self._wanted() if run.error and builder == "__main__" else ""
             return run
 
+        _fetch()
         failed = partial(Run, builder=builder, unfinished=True)  # what it would have made isn't known
         return Run.model_validate_json(in_child(work, failed, BUILDER_PATIENCE))
 
@@ -411,7 +436,7 @@ def _prepared(frame: FrameType, more: str = "") -> bool:
     """Whether code is in a `try` that takes the absence of a module or of a name in one."""
     errors = rf"\b(ImportError|ModuleNotFoundError|AttributeError{more})\b"
     tries = _tries.get(frame.f_code.co_filename, ())
-    return any(frame.f_lineno in lines and re.search(errors, caught) for lines, caught in tries)
+    return any(first <= frame.f_lineno < end and re.search(errors, caught) for first, end, caught in tries)
 
 
 def record(job: Job) -> Record:
@@ -422,6 +447,7 @@ def record(job: Job) -> Record:
 
     def once(given: list[bool]) -> Run:
         job.answers = given
+        _fetch()
         text = in_child(lambda: FileRecorder(job, workspace).recorded(), Record, PATIENCE)
         told = Record.model_validate_json(text)
         whole.error = whole.error or told.error
@@ -430,12 +456,6 @@ def record(job: Job) -> Record:
         for run in told.runs[1:]:  # what the import went by, each machine goes by too
             run.told, run.asked = first.told + run.told, first.asked + run.asked
             run.answers = first.answers + run.answers
-        for file in told.compiled:  # here, once for all that come
-            with suppress(Exception):  # what its child has told of already
-                if ("*",) in _code(file).co_consts:
-                    names_used(_code(file))
-                for folder in (file.parent, file.with_suffix("")):
-                    _listed(folder)
         load(told.libraries)
         whole.runs += told.runs
         return first
@@ -444,8 +464,10 @@ def record(job: Job) -> Record:
     return whole
 
 
-def main() -> None:
-    """Answer jobs until stdin ends."""
+def main(shelf: str) -> None:
+    """Answer jobs until stdin ends; `shelf`: a folder for compiled code."""
+    global _shelf
+    _shelf = Path(shelf)
     gc.disable()  # here are no cycles to speak of, and whatever it would look at is copied in each child
     for line in sys.stdin:
         sys.stdout.write(record(Job.model_validate_json(line)).model_dump_json(exclude_defaults=True) + "\n")

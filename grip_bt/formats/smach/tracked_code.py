@@ -24,8 +24,8 @@ from grip_bt.nodes.stand_ins import StandIn, asked_once, lifted, name_of, stand_
 NAMES = IS, CALL, STAR, SET, MOD, TEXT, IDLE, MAYBE, SAID = tuple(
     f"__grip_{name}__" for name in "is call star set mod text idle maybe said".split()
 )
-Tries = list[tuple[range, str]]
-"""The lines of each `try` of a file, and what it takes."""
+Tries = list[tuple[int, int, str]]
+"""The first line of each `try` of a file, the one after its last, and what it takes."""
 _DIRECT = ("super", "locals", "globals", "vars", "dir", "eval", "exec")
 
 
@@ -39,7 +39,7 @@ class _Tracking(ast.NodeTransformer):
 
     def visit_Try(self, node: ast.Try) -> ast.AST:
         caught = " ".join(ast.unparse(h.type or ast.Name("Exception")) for h in node.handlers)
-        self.tries.append((range(node.body[0].lineno, (node.body[-1].end_lineno or 0) + 1), caught))
+        self.tries.append((node.body[0].lineno, (node.body[-1].end_lineno or 0) + 1, caught))
         return self.generic_visit(node)
 
     def visit_If(self, node: ast.If) -> ast.AST:

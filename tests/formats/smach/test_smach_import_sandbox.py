@@ -136,15 +136,15 @@ def test_a_recording_process_that_is_killed_is_begun_again_and_one_that_is_kille
     file.write_text(KILLED)
     start, survivors = Recorder._start, []
 
-    def started(number):
-        process = start(number)
+    def started(recorder, number):
+        process = start(recorder, number)
         if survivors:
             return process
         answers = process.stdout
         process.stdout = SimpleNamespace(close=answers.close, readline=partial(killed_before, process, answers))
         return process
 
-    monkeypatch.setattr(Recorder, "_start", staticmethod(started))
+    monkeypatch.setattr(Recorder, "_start", started)
     with Recorder() as recorder:
         (failed,) = import_file(file, recorder=recorder).containers
         (reason,) = [issue.message for issue in failed.issues if "wasn't built" in issue.message]
