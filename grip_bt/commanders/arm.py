@@ -18,19 +18,7 @@ from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, T
 from grip_bt.base.values.joints import MOVE_GROUP
 
 from .joined import require_joints
-from .planning.requests import (
-    CheckTogether,
-    CheckTrajectory,
-    ChooseGrasp,
-    ChosenGrasp,
-    PlanningService,
-    PlanServoStep,
-    PlanStraight,
-    PlanThrough,
-    PlanTo,
-    Request,
-    Situation,
-)
+from .planning import requests
 from .scene import PlanningScene
 from .settings import PlanningSettings
 from .steered_motion import SteeredMotion, Twist, velocity_of
@@ -95,7 +83,7 @@ class ArmCommander:
         self,
         setup: ArmSetup,
         model: RobotGeometry,
-        planner: PlanningService,
+        planner: requests.PlanningService,
         executor: Executor,
         scene: PlanningScene,
         others: Callable[[], Sequence[JointState]] = tuple,
@@ -148,10 +136,10 @@ class ArmCommander:
             raise UnknownNameError("freedom of a pose", free, FREEDOMS, where=f"arm {self.name!r}")
         goal = self._goal(goal)
         hints = () if isinstance(goal, JointState) else self._known_ways_to(goal)
-        return self._ask(PlanTo(self._situation(start), goal, hints, free, constraint))
+        return self._ask(requests.PlanTo(self._situation(start), goal, hints, free, constraint))
 
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
-        return self._ask(PlanStraight(self._situation(start), tuple(goals)))
+        return self._ask(requests.PlanStraight(self._situation(start), tuple(goals)))
 
     def plan_through(
         self,
@@ -163,17 +151,17 @@ class ArmCommander:
         named = tuple(replace(point, goal=self._goal(point.goal)) for point in way_points)
         if not named:
             raise ValueError("at least one way point is needed")
-        return self._ask(PlanThrough(self._situation(start), named, constraint))
+        return self._ask(requests.PlanThrough(self._situation(start), named, constraint))
 
     def plan_from_trajectory(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
         require_joints(trajectory.names, self._executor.joint_names, self.name)
         return self._ask(
-            CheckTrajectory(replace(self._situation(), settings=self._own_settings()), trajectory, slow_down)
+            requests.CheckTrajectory(replace(self._situation(), settings=self._own_settings()), trajectory, slow_down)
         )
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         situation = replace(self._situation(), settings=self._own_settings())
-        return self._planner.submit(CheckTogether(situation, tuple(plans)))  # type: ignore[return-value]
+        return self._planner.submit(requests.CheckTogether(situation, tuple(plans)))  # type: ignore[return-value]
 
     def jog(
         self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
@@ -226,7 +214,7 @@ class ArmCommander:
         return motion.then(lambda measured: _verified(plan, measured))
 
     def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
-        return self._planner.submit(ChooseGrasp(self._situation(), tuple(grasps))).then(self._remember)
+        return self._planner.submit(requests.ChooseGrasp(self._situation(), tuple(grasps))).then(self._remember)
 
     def stop(self) -> None:
         self._executor.stop()
@@ -242,14 +230,14 @@ class ArmCommander:
             raise UnknownNameError("named state", goal, states, where=f"arm {self.name!r}")
         return states[goal]
 
-    def _situation(self, given: JointState | None = None) -> Situation:
+    def _situation(self, given: JointState | None = None) -> requests.Situation:
         arm = self._executor.state()
         if given is not None:
             arm = replace(arm, position=given.ordered(arm.names))
         parts = (arm, *self._others())
         names = tuple(name for part in parts for name in part.names)
         start = JointState(names, np.concatenate([part.position for part in parts]), time=arm.time)
-        return Situation(self._group, start, self._scene.snapshot(), self._hand, self._settings)
+        return requests.Situation(self._group, start, self._scene.snapshot(), self._hand, self._settings)
 
     def _own_settings(self) -> PlanningSettings:
         """For what isn't searched: whoever plans, ours checks."""
@@ -260,10 +248,12 @@ class ArmCommander:
         names = situation.start.names
         begin = replace(situation.start, velocity=velocity_of(start, names))
         linear, angular = (tuple(map(float, part)) for part in twist)
-        request = PlanServoStep(replace(situation, start=begin, settings=self._own_settings()), linear, angular, hold)
+        request = requests.PlanServoStep(
+            replace(situation, start=begin, settings=self._own_settings()), linear, angular, hold
+        )
         return self._planner.submit(request).then(lambda plan: Operation.finished(plan.trajectory))  # type: ignore[union-attr]
 
-    def _ask(self, request: Request) -> Operation[Plan]:
+    def _ask(self, request: requests.Request) -> Operation[Plan]:
         return self._planner.submit(request).then(self._keep)  # type: ignore[arg-type]
 
     def _keep(self, plan: Plan) -> Operation[Plan]:
@@ -274,8 +264,8 @@ class ArmCommander:
         if self.ways.follows is motion:
             self.ways = self.ways._replace(moving=False)
 
-    def _remember(self, chosen: Plan | ChosenGrasp | None) -> Operation[Grasp]:
-        assert isinstance(chosen, ChosenGrasp)
+    def _remember(self, chosen: Plan | requests.ChosenGrasp | None) -> Operation[Grasp]:
+        assert isinstance(chosen, requests.ChosenGrasp)
         grasp = chosen.grasp
         with self._lock:
             new = [(grasp.pre_grasp, chosen.at_pre_grasp), (grasp.pose, chosen.at_grasp)]

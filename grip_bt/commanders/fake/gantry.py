@@ -19,18 +19,7 @@ from grip_bt.base.values.pose import quaternion_about
 
 from ..arm import ArmCommander, ArmSetup
 from ..joined import require_joints
-from ..planning.requests import (
-    CheckTogether,
-    CheckTrajectory,
-    ChooseGrasp,
-    ChosenGrasp,
-    PlanServoStep,
-    PlanStraight,
-    PlanThrough,
-    PlanTo,
-    Request,
-    Situation,
-)
+from ..planning import requests
 from ..scene import PlanningScene
 from ..steered_motion import velocity_of
 from ..steering import jogged, steered
@@ -89,7 +78,7 @@ class FakeArm(ArmCommander):
         """
         self._gantry.put_back(position)
 
-    def _situation(self, given: JointState | None = None) -> Situation:
+    def _situation(self, given: JointState | None = None) -> requests.Situation:
         """Return it with those joints of `given` that it names; the others are where they are measured."""
         state = self.state()
         position = state.position if given is None else _row(self.name, state.names, state.position, given)
@@ -115,39 +104,39 @@ class _GantryPlanner:
     def __init__(self, arm: str, joints: tuple[str, ...]):
         self._arm, self._joints = arm, joints
 
-    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
-        if isinstance(request, CheckTogether):
+    def submit(self, request: requests.Request) -> Operation[Plan | requests.ChosenGrasp | None]:
+        if isinstance(request, requests.CheckTogether):
             return Operation.finished(None)  # fakes know no shapes
         answer = self._answer(request)
         return Operation.failed(answer) if isinstance(answer, ExpectedError) else Operation.finished(answer)
 
-    def _answer(self, request: Request) -> Plan | ChosenGrasp | ExpectedError:
+    def _answer(self, request: requests.Request) -> Plan | requests.ChosenGrasp | ExpectedError:
         begin = request.situation.start.position
         match request:
-            case PlanTo():
+            case requests.PlanTo():
                 end = self._end(request.goal, begin)
                 return _broken(request.constraint, {"start": begin, "goal": end}) or self._through(begin, [end])
-            case PlanStraight():
+            case requests.PlanStraight():
                 return self._through(begin, [self._end(pose, begin) for pose in request.poses])
-            case PlanThrough():
+            case requests.PlanThrough():
                 rows = [begin]
                 for point in request.way_points:
                     rows.append(self._end(point.goal, rows[-1]))
                 named = {"start": begin, **{f"way point {k}": end for k, end in enumerate(rows[1:], 1)}}
                 plan = self._through(begin, rows[1:])
                 return _broken(request.constraint, named) or replace(plan, radii=(0.0,) * (len(rows) - 2))
-            case CheckTrajectory(trajectory=given):
+            case requests.CheckTrajectory(trajectory=given):
                 table = np.tile(begin, (len(given.times), 1))
                 table[:, [self._joints.index(name) for name in given.names]] = given.positions
                 return Plan("gantry", Trajectory(self._joints, given.times, table), "given")
-            case PlanServoStep():
+            case requests.PlanServoStep():
                 return Plan("gantry", self._step(request), "fake")
-            case ChooseGrasp(grasps=grasps) if grasps:
+            case requests.ChooseGrasp(grasps=grasps) if grasps:
                 best: Grasp = max(grasps, key=lambda grasp: grasp.quality)
                 before, there = (
                     JointState(self._joints, self._end(pose, begin)) for pose in (best.pre_grasp, best.pose)
                 )
-                return ChosenGrasp(best, before, there)
+                return requests.ChosenGrasp(best, before, there)
             case _:
                 return NoGraspError("none of 0 grasps is feasible", reasons={}, candidates=0)
 
@@ -166,7 +155,7 @@ class _GantryPlanner:
                 rows.append(end)
         return Plan("gantry", Trajectory(self._joints, np.array(times), np.stack(rows)), "fake")
 
-    def _step(self, request: PlanServoStep) -> Trajectory:
+    def _step(self, request: requests.PlanServoStep) -> Trajectory:
         start = request.situation.start
 
         def wanted(q: Array) -> Array:

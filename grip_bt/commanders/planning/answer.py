@@ -16,6 +16,7 @@ from grip_bt.base.values import Plan, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
+from grip_bt.commanders.planning import requests
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.checks import (
     allowed,
@@ -28,17 +29,6 @@ from grip_bt.commanders.planning.checks import (
 )
 from grip_bt.commanders.planning.continuous import first_touch
 from grip_bt.commanders.planning.grasps import choose_grasp
-from grip_bt.commanders.planning.requests import (
-    CheckTogether,
-    CheckTrajectory,
-    ChooseGrasp,
-    ChosenGrasp,
-    PlanServoStep,
-    PlanStraight,
-    PlanThrough,
-    PlanTo,
-    Request,
-)
 from grip_bt.commanders.planning.search import Search, first_success
 from grip_bt.commanders.planning.straight import plan_straight
 from grip_bt.commanders.planning.through import plan_through
@@ -47,7 +37,7 @@ from grip_bt.commanders.steering import bounded, steered
 from grip_bt.commanders.trajectory.limits import longer, refuse_beyond_limits
 
 
-def check_together(model: RobotModel, request: CheckTogether) -> None:
+def check_together(model: RobotModel, request: requests.CheckTogether) -> None:
     """Check the common motion all along, as it is executed.
 
     Raises:
@@ -74,7 +64,7 @@ def check_together(model: RobotModel, request: CheckTogether) -> None:
         )
 
 
-def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Trajectory:
+def plan_from_trajectory(model: RobotModel, request: requests.CheckTrajectory) -> Trajectory:
     """Return the trajectory for all joints of the group; those that it doesn't name stay where they are.
 
     Raises:
@@ -130,7 +120,9 @@ SEARCH = 0.03
 """While a path is searched, no joint moves more than this [rad] between two checks; later attempts look closer."""
 
 
-def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) -> Plan | ChosenGrasp | None:
+def answer(
+    model: RobotModel, request: requests.Request, canceled: Callable[[], bool]
+) -> Plan | requests.ChosenGrasp | None:
     """Answer a request.
 
     Args:
@@ -141,25 +133,25 @@ def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) ->
     """
     begin, radii = time.monotonic(), tuple[float, ...]()
     match request:
-        case CheckTogether():
+        case requests.CheckTogether():
             check_together(model, request)
             return None
-        case ChooseGrasp():
+        case requests.ChooseGrasp():
             return choose_grasp(model, request.situation, request.grasps, canceled)
-        case PlanStraight():
+        case requests.PlanStraight():
             planner, trajectory = "straight", plan_straight(model, request)
-        case PlanThrough():
+        case requests.PlanThrough():
             planner, (trajectory, radii) = "through", plan_through(model, request, canceled)
-        case PlanServoStep():
+        case requests.PlanServoStep():
             planner, trajectory = "onward", plan_servo_step(model, request)
-        case CheckTrajectory():
+        case requests.CheckTrajectory():
             planner, trajectory = "given", plan_from_trajectory(model, request)
-        case PlanTo():
+        case requests.PlanTo():
             planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled)
     return Plan(request.situation.group, trajectory, planner, time.monotonic() - begin, radii)
 
 
-def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) -> Trajectory:
+def plan_to(model: RobotModel, request: requests.PlanTo, canceled: Callable[[], bool]) -> Trajectory:
     """Plan a free path.
 
     Raises:
@@ -209,7 +201,7 @@ AMISS = 0.3
 """A twist isn't begun when more than this part of it can't be followed."""
 
 
-def plan_servo_step(model: RobotModel, request: PlanServoStep) -> Trajectory:
+def plan_servo_step(model: RobotModel, request: requests.PlanServoStep) -> Trajectory:
     """Plan one step.
 
     Raises:
