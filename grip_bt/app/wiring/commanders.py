@@ -27,16 +27,7 @@ from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.joined import JoinedExecutor
 from grip_bt.commanders.kinematics.fingertips import fingertip_posture, spans_of
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.commanders.planning.requests import (
-    ChooseGrasp,
-    ChosenGrasp,
-    PlanningService,
-    PlanStraight,
-    PlanThrough,
-    PlanTo,
-    Request,
-    Searcher,
-)
+from grip_bt.commanders.planning import requests
 from grip_bt.commanders.planning.service import PlanningProcess
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.scene_state import HandMount, SceneObject
@@ -82,7 +73,7 @@ class PlannedRobot:
 def commanded(
     opening: Opening,
     description: RobotDescription,
-    planner: PlanningService,
+    planner: requests.PlanningService,
     executors: Mapping[str, Executor],
     ports: Mapping[str, HandPort],
     room: Iterable[SceneObject] = (),
@@ -233,23 +224,27 @@ class PlannerByName:
         others: planner's name -> who searches.
     """
 
-    def __init__(self, own: PlanningService, others: Mapping[str, Searcher]):
+    def __init__(self, own: requests.PlanningService, others: Mapping[str, requests.Searcher]):
         self._own, self._others = own, others
 
-    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
+    def submit(self, request: requests.Request) -> Operation[Plan | requests.ChosenGrasp | None]:
         """Ask; see `PlanningService`."""
         situation = request.situation
-        if isinstance(request, PlanThrough) and situation.settings.planner in self._others:
+        if isinstance(request, requests.PlanThrough) and situation.settings.planner in self._others:
             usual = situation.settings.model_copy(update={"planner": PlanningSettings().planner})
             request = replace(request, situation=replace(situation, settings=usual))
-        if isinstance(request, PlanTo | PlanStraight | ChooseGrasp):
+        if isinstance(request, requests.PlanTo | requests.PlanStraight | requests.ChooseGrasp):
             return self._others.get(request.situation.settings.planner, self._own).submit(request)
         return self._own.submit(request)
 
 
 def with_move_group(
-    opening: Opening, description: RobotDescription, own: PlanningService, stack: ExitStack, bus: Bus | None = None
-) -> PlanningService:
+    opening: Opening,
+    description: RobotDescription,
+    own: requests.PlanningService,
+    stack: ExitStack,
+    bus: Bus | None = None,
+) -> requests.PlanningService:
     """Return a planner that has MoveIt answer for the arms that say so.
 
     Args:
@@ -297,7 +292,7 @@ def open_simulated(opening: Opening, stack: ExitStack) -> Resources:
         simulation.begin(spec)
     objects = ", ".join(thing.name for thing in spec.objects)
     progress("simulator", f"SAPIEN in process {simulation.pid}, world {file.world!r}: {objects}")
-    plans: PlanningService = with_move_group(opening, robot.description, robot.process, stack)
+    plans: requests.PlanningService = with_move_group(opening, robot.description, robot.process, stack)
     lockstep = Lockstep(simulation) if opening.pace is None else None
     if lockstep is not None:
         plans = InTurn(plans, lockstep, patient=True)
