@@ -7,7 +7,6 @@ import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.worlds import checked_world
@@ -18,10 +17,6 @@ from grip_bt.cli.terminal import tell
 from grip_sim.simulation import start_simulation
 from grip_sim.specs import WorldSpec
 from grip_sim.worlds import BUILTIN, load_world, read_world, world_files
-
-if TYPE_CHECKING:
-    pass
-
 
 SEEDS = 20
 """Arrangements that `check` draws."""

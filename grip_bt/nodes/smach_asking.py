@@ -105,9 +105,8 @@ class Container:
     def ask(self) -> None:
         """Ask what runs, each child once."""
         for child in self.begun:
-            if child is self.current or child.is_running():
-                if child is not self.asked:
-                    child.request_preempt()
+            if child is not self.asked and (child is self.current or child.is_running()):
+                child.request_preempt()
         self.asked = self.current
 
 

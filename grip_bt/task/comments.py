@@ -104,9 +104,9 @@ def _find(text: str, spans: list[tuple[int, int]], blocks: set[int]) -> Iterator
 def _attach_blank_lines(places: list[_Place], text: str) -> None:
     for place in places:
         line_start = text.rfind("\n", 0, place.entry.start) + 1
-        if place.flow is None and not text[line_start : place.entry.start].strip(" -"):
-            if _blank_above(text, line_start):
-                place.entry.comments.before.append("")
+        first = place.flow is None and not text[line_start : place.entry.start].strip(" -")
+        if first and _blank_above(text, line_start):
+            place.entry.comments.before.append("")
 
 
 def _blank_above(text: str, line_start: int) -> bool:

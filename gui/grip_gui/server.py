@@ -9,7 +9,7 @@ import threading
 import time
 import webbrowser
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from secrets import token_urlsafe
 from urllib.parse import urlencode
@@ -185,8 +185,6 @@ def serve(
             server_header=False,
             timeout_graceful_shutdown=3,
         )
-        try:
+        with suppress(KeyboardInterrupt):  # uvicorn has shut down in order and raises the signal again for its caller
             asyncio.run(uvicorn.Server(config).serve(sockets=[listener]))
-        except KeyboardInterrupt:
-            pass  # uvicorn has shut down in order and raises the signal again for its caller
     return 0

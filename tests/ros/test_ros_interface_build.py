@@ -6,6 +6,8 @@ import json
 import shutil
 import subprocess
 import sys
+from importlib import import_module
+from unittest import mock
 
 import pytest
 from ros_bench import EXAMPLE
@@ -14,8 +16,8 @@ from test_ros_interface_definitions import make_package
 from grip_bt.ros.command import child_environment
 from grip_bt.ros.interfaces import build_interfaces
 from grip_bt.ros.interfaces.compiler import InterfaceBuildError, _compile
-from grip_bt.ros.interfaces.generate import Generated
-from grip_bt.ros.interfaces.packages import OverlayError, Package, activate, search_path, share_folder
+from grip_bt.ros.interfaces.generate import Generated, generate
+from grip_bt.ros.interfaces.packages import OverlayError, Package, activate, read_package, search_path, share_folder
 
 USE = """
 import sys
@@ -41,6 +43,17 @@ def test_a_build_is_found_in_the_cache_the_second_time(antipodal, interface_cach
     assert again.cached
     assert begun == []
     assert again.prefix == antipodal
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the parser
+def test_each_file_is_parsed_once_for_all_generators(tmp_path):
+    parser = import_module("rosidl_parser.parser")
+    home = make_package(tmp_path, "words", {"msg/Word.msg": "string text\n", "srv/Say.srv": "Word word\n---\n"})
+    with mock.patch.object(parser, "get_ast_from_idl_string", wraps=parser.get_ast_from_idl_string) as parsed:
+        generated = generate(read_package(home), tmp_path / "build", search_path())
+    assert len(parsed.mock_calls) == 2
+    assert generated.sources("rosidl_generator_py")
+    assert generated.sources("rosidl_typesupport_fastrtps_c")
 
 
 def test_a_built_package_is_usable_at_once(antipodal):

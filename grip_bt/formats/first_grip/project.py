@@ -181,9 +181,8 @@ def _project(found: Configuration, moving: Collection[str]) -> dict[str, Any]:
     if len(arms) == len(hands) == 1:
         next(iter(arms.values()))["hand"] = next(iter(hands))
     sensors = {key_of(name): sensor_entry(name, said, found) for name, said in found.part("sensors").items()}
-    for key, value in (("arms", arms), ("hands", hands), ("sensors", {k: v for k, v in sensors.items() if v})):
-        if value:
-            made[key] = value
+    sensors = {key: entry for key, entry in sensors.items() if entry}
+    made |= {key: parts for key, parts in (("arms", arms), ("hands", hands), ("sensors", sensors)) if parts}
     if found.scene is not None:
         made["scene"] = found.scene.name
     return made
