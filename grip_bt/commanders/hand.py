@@ -89,7 +89,7 @@ class HandCommander:
         taught: what was taught before; nothing when None.
         reach: returns the posture, near another, that brings fingertips or links to positions in a frame; see
             `kinematics.fingertips.fingertip_posture`. Without it, the hand's geometry isn't known.
-        spans: likewise, what is between the fingers in postures; see `kinematics.spans.spans_of`.
+        spans: likewise, what is between the fingers in postures; see `kinematics.fingertips.spans_of`.
         touch: what the hand feels; without it, contacts are the port's, and slip isn't known.
     """
 
@@ -106,7 +106,7 @@ class HandCommander:
         touch: Touch | None = None,
     ):
         self._touch = touch
-        self._reach, self._measure, self._spans = reach, spans, dict[bytes, tuple[Span, ...]]()
+        self._reach, self._measure = reach, spans
         self.name, self._port, self.state, self._postures = name, port, port.state, dict(postures)
         self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
         self._limits = dict(limits or {})
@@ -188,9 +188,7 @@ class HandCommander:
             raise ValueError(f"hand {self.name!r}: its geometry isn't known, so no grasps can be proposed for it")
         start, goal = self._posture(opened), self._posture(closed)
         way = np.linspace(start.position, goal.ordered(start.names), STEPS)
-        if (key := way.tobytes()) not in self._spans:
-            self._spans[key] = tuple(self._measure([JointState(start.names, each) for each in way]))
-        return self._spans[key]
+        return tuple(self._measure([JointState(start.names, each) for each in way]))
 
     def synergy(self, weights: Sequence[float]) -> JointState:
         opened = self._postures["open"].as_mapping()  # what a posture doesn't name is as in `open`

@@ -19,14 +19,12 @@ KNOWN = 0.01
 """What is seen this close to a box of the room is the box [m]."""
 
 
-def _clusters_above(points: Points, low: float, high: float, cell: float, min_points: int) -> list[Points]:
-    """Group the points, z up, between two heights [m] by what touches what, seen from above; the largest group first.
+def _clusters(points: Points, cell: float, min_points: int) -> list[Points]:
+    """Group the points, z up, by what touches what, seen from above; the largest group first.
 
     They are entered into a grid; occupied cells that touch, also at a corner, are one group. Groups of fewer than
     `min_points` are noise.
     """
-    points = points[np.isfinite(points).all(axis=1)]
-    points = points[(points[:, 2] > low) & (points[:, 2] < high)]
     if not len(points):
         return []
     import cv2  # of the extra `vision`, which an empty table does without
@@ -97,7 +95,9 @@ class UpdateFromCloud(OperationLeaf):
 
     def _boxes(self, scene: Scene, points: NDArray[np.float32]) -> list[Box]:
         table, p = self.params["table"], self.params
-        keep = np.isfinite(points).all(axis=1)
+        low, high = table + p["min_height"], table + p["max_height"]
+        points = points[(points[:, 2] > low) & (points[:, 2] < high) & np.isfinite(points).all(axis=1)]
+        keep = np.ones(len(points), dtype=bool)
         target = region_of(scene, p["target"])
         if target is not None:
             keep &= ~target.contains(points, margin=0.025)
@@ -106,9 +106,6 @@ class UpdateFromCloud(OperationLeaf):
                 keep &= distances_to_box(points, *scene.box(name)) > 0.02
             elif scene.fixed(name) and isinstance((known := scene.solid(name))[0], SolidBox):
                 size, pose = known[0].size, known[1]
-                if pose.position[2] + size[2] / 2 > table + p["min_height"]:
+                if pose.position[2] + size[2] / 2 > low:
                     keep &= distances_to_box(points, np.array(size), pose) > KNOWN
-        groups = _clusters_above(
-            points[keep], table + p["min_height"], table + p["max_height"], p["cell"], p["min_points"]
-        )
-        return [_upright_box(group, table) for group in groups]
+        return [_upright_box(group, table) for group in _clusters(points[keep], p["cell"], p["min_points"])]

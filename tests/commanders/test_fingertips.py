@@ -146,3 +146,18 @@ def test_the_shadows_thumb_presses_against_three_fingers_and_not_against_the_fir
         presses = np.array([off[f"{side[0]}h_{finger}J3"] for finger in ("FF", "MF", "RF")])
         assert (presses / presses.sum()).max() < 0.5
         assert (presses / presses.sum()).min() > 0.15
+
+
+def test_what_is_between_fingers_is_measured_once_for_each_posture_and_is_that_of_a_new_model(model, monkeypatch):
+    monkeypatch.setattr("grip_bt.commanders.kinematics.fingertips._KEPT", 5)
+    states = model.description.named_states["hand"]
+    opened, closed = states["open"], states["closed"]
+    way = [JointState(opened.names, row) for row in np.linspace(opened.position, closed.ordered(opened.names), 4)]
+    frame = model.grasp_frame_of("arm")
+    first = spans_of(model, "hand", frame, way)
+    again = spans_of(model, "hand", frame, way[2:])
+    assert all(one is other for one, other in zip(again, first[2:], strict=True))
+    assert first == spans_of(RobotModel(model.description), "hand", frame, way)
+    assert first == spans_of(model, "hand", frame, [*way, *reversed(way)])[:4]
+    spans_of(model, "hand", frame, [closed, *way[:-1], way[1]])
+    assert len(model.spans) <= 5

@@ -116,6 +116,8 @@ _OPPOSED = 0.02
 _PROBE, _SLACK, _STEP, _DEEPEST = 0.012, (-0.001, 0.005), 0.004, 0.12
 """A bar is pushed in between the fingers: its thickness, how much thinner it is than the gap on each side, for links
 that are to stay clear of things and for tips, which may be round, its steps, and its way [m]."""
+_KEPT = 1024
+"""Postures of which a model keeps what was measured, the newest ones."""
 _Placed = tuple[coal.CollisionGeometry, pin.SE3]
 _Pressed = tuple[str, Array, Array]
 """A link, where it presses, and with which force, if the thumb's is 1; in the grasp frame."""
@@ -124,7 +126,7 @@ _Pressed = tuple[str, Array, Array]
 def spans_of(model: RobotModel, group: str, frame: str, postures: Sequence[JointState]) -> list[Span]:
     """Return what is between a hand's fingers in some postures, seen from a grasp frame.
 
-    The last of its fingers is the thumb, or one of a gripper's two.
+    The last of its fingers is the thumb, or one of a gripper's two. What was measured is kept with the model.
 
     Raises:
         ValueError: it has less than two fingers.
@@ -135,25 +137,29 @@ def spans_of(model: RobotModel, group: str, frame: str, postures: Sequence[Joint
         raise ValueError(f"hand {group!r} of {model.description.name} has less than two fingers, none to grasp between")
     data, shapes = model.model.createData(), model.geometry.geometryObjects
     palm_joint = model.model.frames[model.model.getFrameId(frame)].parentJoint
-    found = []
-    for posture in postures:
+    linked = [(link_of(model.model, shape), shape) for shape in shapes]  # what the palm is fixed to is in the way too
+    near = [(link, shape) for link, shape in linked if link in hand or shape.parentJoint == palm_joint]
+
+    def measured(posture: JointState) -> Span:
         q = model.configuration(posture)
         pin.computeJointJacobians(model.model, data, q)
         pin.framesForwardKinematics(model.model, data, q)
         palm = data.oMf[model.model.getFrameId(frame)].inverse()
         placed: dict[str, list[_Placed]] = {}
         points = []
-        for shape in shapes:
-            link = link_of(model.model, shape)
-            if link in hand or shape.parentJoint == palm_joint:  # what the palm is fixed to is as much in the way
-                body = palm * data.oMi[shape.parentJoint]
-                placed.setdefault(link, []).append((shape.geometry, body * shape.placement))
-                points.append(corners(shape) @ body.rotation.T + body.translation)
+        for link, shape in near:
+            body = palm * data.oMi[shape.parentJoint]
+            placed.setdefault(link, []).append((shape.geometry, body * shape.placement))
+            points.append(corners(shape) @ body.rotation.T + body.translation)
         gap, middle, axis, pressed = _between(placed, fingers, thumb)
         squeezing = _squeezing(model, data, palm, posture, pressed)
         span = Span(posture, gap, middle, axis, 0.0, np.concatenate(points), squeezing)
-        found.append(replace(span, depth=_depth(span, placed, {thumb, *fingers})))
-    return found
+        return replace(span, depth=_depth(span, placed, {thumb, *fingers}))
+
+    keys = [(group, frame, posture.names, posture.position.tobytes()) for posture in postures]
+    found = {key: model.spans.get(key) or measured(each) for key, each in zip(keys, postures, strict=True)}
+    model.spans = dict([*(model.spans | found).items()][-_KEPT:])
+    return [found[key] for key in keys]
 
 
 def _between(

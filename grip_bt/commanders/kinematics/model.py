@@ -17,6 +17,7 @@ import pinocchio as pin
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.values import JointState, Pose
+from grip_bt.base.values.joints import Span
 
 from ..description.robot import RobotDescription
 from ..trajectory.limits import Limits
@@ -104,6 +105,7 @@ class RobotModel:
         self._rest = self.configuration(JointState(tuple(rest), tuple(rest.values())), base=middle)
         self._drop_harmless_pairs()
         self._chains: dict[tuple[str, bytes], Chain] = {}
+        self.spans: dict[tuple[str, str, tuple[str, ...], bytes], Span] = {}  # see `fingertips.spans_of`
 
     def configuration(self, *states: JointState, base: Array | None = None) -> Array:
         """Return a configuration of all joints, shape (nq,): `base` (or at rest), overlaid with `states`.
