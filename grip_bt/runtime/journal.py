@@ -340,12 +340,9 @@ class Journal(Closing):
         """Return the jobs there are; where none comes, after `wait` [s] at most. Without a run, wait for one."""
         timeout = 0.0 if self._closing else wait if self._logs else None
         try:
-            jobs = [self._jobs.get(timeout=timeout)]
+            return [self._jobs.get(timeout=timeout), *(self._jobs.get() for _ in range(self._jobs.qsize()))]
         except Empty:
             return []
-        for _ in range(self._jobs.qsize()):
-            jobs.append(self._jobs.get())
-        return jobs
 
     def _commit(
         self,

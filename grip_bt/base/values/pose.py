@@ -113,7 +113,7 @@ class Pose(ComparesArrays):
         return Pose(self.position + np.asarray(offset, dtype=float), self.quaternion, self.frame)
 
     def __repr__(self) -> str:
-        p, q = (np.array2string(a, precision=4, suppress_small=True) for a in (self.position, self.quaternion))
+        p, q = ([round(x, 4) + 0.0 for x in a.tolist()] for a in (self.position, self.quaternion))
         return f"Pose({p}, wxyz={q}, frame={self.frame!r})"
 
 
