@@ -145,7 +145,8 @@ class Faults:
 
     def __init__(self, faults: Mapping[str, Fault], seed: int, world: World):
         self._faults, self._seed, self._world = dict[str, Fault](), seed, world
-        self._due: list[_Due] = []
+        self.due: list[_Due] = []
+        """What is to begin, or to end."""
         self._counts, self._happened = dict[str, int](), dict[str, int]()
         self._on: dict[str, Fault] = {}
         self.on_event: Callable[[str, str, bool], None] = lambda name, words, over: None
@@ -162,8 +163,8 @@ class Faults:
     def forget(self, name: str) -> None:
         """Leave an object alone that isn't there any more."""
         self._faults = {key: fault for key, fault in self._faults.items() if fault.of != name}
-        self._due = [due for due in self._due if due.name in self._faults]
-        for due in self._due:
+        self.due = [due for due in self.due if due.name in self._faults]
+        for due in self.due:
             due.on = tuple(each for each in due.on if each != name)
 
     def entered(self, node: str) -> None:
@@ -175,10 +176,8 @@ class Faults:
 
     def stepped(self) -> None:
         """Begin what is due, and end what is over."""
-        if not self._due:
-            return
-        ready = [due for due in self._due if due.time <= self._world.time + 1e-9]
-        self._due = [due for due in self._due if due not in ready]
+        ready = [due for due in self.due if due.time <= self._world.time + 1e-9]
+        self.due = [due for due in self.due if due not in ready]
         for due in ready:
             self._begin(due) if due.begins else self._end(due)
 
@@ -211,7 +210,7 @@ class Faults:
         self._counts[name] += 1
         happens, wait = rng.random() < fault.chance, fault.at
         if happens:
-            self._due.append(_Due(name, now + (wait if isinstance(wait, float) else float(rng.uniform(*wait)))))
+            self.due.append(_Due(name, now + (wait if isinstance(wait, float) else float(rng.uniform(*wait)))))
 
     def _begin(self, due: _Due) -> None:
         fault, name = self._faults[due.name], due.name
@@ -232,7 +231,7 @@ class Faults:
             lasts = lasts or 0.0 if fault.fault == "abort" else lasts
         self.on_event(name, f"{fault.fault} of {', '.join(on) or _KINDS[fault.fault].everything}", False)
         if lasts is not None and fault.fault != "push":
-            self._due.append(_Due(name, self._world.time + lasts, False, on))
+            self.due.append(_Due(name, self._world.time + lasts, False, on))
 
     def _end(self, due: _Due) -> None:
         fault = self._faults[due.name]

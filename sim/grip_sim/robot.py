@@ -61,6 +61,7 @@ class SimRobot:
         self._joints = list(self.body.active_joints)
         self._drives = [(joint.set_drive_target, joint.set_drive_velocity_target) for joint in self._joints]
         self._exert, self._weight = self.body.set_qf, self.body.compute_passive_force
+        self._where = self.body.get_qpos
         self._rows = {joint.name: row for row, joint in enumerate(self._joints)}
         count, self._dt = len(self._joints), scene.timestep
         self._target, self._speed = [0.0] * count, [0.0] * count
@@ -118,7 +119,7 @@ class SimRobot:
         What stops the leading joint stops the linkage that it moves, so that the fingers stay parallel on a thing. A
         linkage is no damper: each joint is aimed at with the speed that it has.
         """
-        self._before = before = self.body.get_qpos()
+        self._before = before = self._where()
         if not self._aimed:
             return
         speeds = self.body.get_qvel()

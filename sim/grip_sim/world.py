@@ -108,12 +108,14 @@ class World:
 
     def step(self) -> None:
         """Advance by `spec.dt`."""
-        self.faults.stepped()
+        if self.faults.due:
+            self.faults.stepped()
         self.robot.follow()
         self.robot.compensate()
         for each in self.articulated.values():
             each.before_step()
-        self._liquids.settle()
+        if self._liquids.volumes:
+            self._liquids.settle()
         self.physics()
         self.steps = steps = self.steps + 1
         self._moved.clear()
