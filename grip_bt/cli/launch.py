@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import shlex
-import signal
 import sys
 import threading
 from collections.abc import Sequence
@@ -71,7 +70,7 @@ def _members(args: argparse.Namespace) -> tuple[Project, list[Member]]:
 
 
 def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
-    stopped: list[int] = []
+    stopped = threading.Event()
 
     def tell_state(name: str, state: str, detail: str) -> None:
         first = f": {detail.splitlines()[0]}" if detail else ""
@@ -79,15 +78,14 @@ def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
 
     group = ProcessGroup(members, logs, on_change=tell_state, output=sys.stdout if follow else None)
 
-    def stop(number: int, frame: object) -> None:
-        stopped.append(number)
+    def stop() -> None:
+        stopped.set()
         group.ask_to_stop()
 
-    for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(each, stop)
+    on_stop(stop)
     group.start()
     why = group.run()
-    if stopped:
+    if stopped.is_set():
         return STOPPED
     return complain(why, NODE_ERROR) if why else 0
 

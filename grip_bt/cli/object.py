@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import GripError
-from grip_bt.cli.parser import add_actions
+from grip_bt.cli.parser import add_actions, number, whole
 from grip_bt.cli.terminal import tell
 from grip_bt.cli.world import check_files, here, list_files, show_spec
 from grip_sim import objects
@@ -43,10 +43,13 @@ def add_object(parser: argparse.ArgumentParser) -> None:
     check.add_argument("names", nargs="*", metavar="NAME|FILE", help="which ones (default: all of the project's)")
     add.add_argument("path", type=Path, metavar="FILE|FOLDER", help="what to bring in; it is copied")
     add.add_argument("--name", default="", metavar="NAME", help="objects/NAME.yaml (default: as the file or folder)")
-    add.add_argument("--scale", type=float, metavar="X", help="factor of its lengths; 0.001 for millimetres")
-    add.add_argument("--mass", type=float, metavar="KG", help="its mass (default: as its file says, or a guess)")
-    add.add_argument("--friction", type=float, metavar="MU", help="against hands and tables (default: 0.6)")
-    add.add_argument("--parts", type=int, default=32, metavar="N", help="most convex parts (default: 32; 1: its hull)")
+    positive = number(above=0)
+    add.add_argument("--scale", type=positive, metavar="X", help="factor of its lengths; 0.001 for millimetres")
+    add.add_argument("--mass", type=positive, metavar="KG", help="its mass (default: as its file says, or a guess)")
+    add.add_argument("--friction", type=positive, metavar="MU", help="against hands and tables (default: 0.6)")
+    add.add_argument(
+        "--parts", type=whole(1), default=32, metavar="N", help="most convex parts (default: 32; 1: its hull)"
+    )
     for each in (listed, show, check):
         each.add_argument("--json", action="store_true", help="print one JSON object")
 
@@ -96,9 +99,6 @@ def _add(args: argparse.Namespace) -> None:
     name = args.name or args.path.resolve().stem.lstrip("0123456789_-").replace("-", "_").replace(" ", "_")
     if not name.isidentifier():
         raise GripError(f"{name!r} can't be an object's name: give one of letters, digits and _ by `--name`")
-    for option in ("scale", "mass", "friction", "parts"):
-        if (value := getattr(args, option)) is not None and not 0 < value < float("inf"):
-            raise GripError(f"--{option} is a number above 0, not {value:g}")
     found = find_object(args.path)
     checked = check_mesh(found, args.scale, args.parts, lambda text: print(text, file=sys.stderr))
     own, source = folder / objects.FOLDER, str(args.path.name)

@@ -20,7 +20,6 @@ from .document import load as load
 from .document import loads as loads
 from .document import read as read
 from .document import read_text as read_text
-from .model import FORMAT_VERSION as FORMAT_VERSION
 from .model import KINDS as KINDS
 from .model import AnyNode as AnyNode
 from .model import Container as Container
@@ -34,8 +33,6 @@ from .model import Invert as Invert
 from .model import Leaf as Leaf
 from .model import Loop as Loop
 from .model import Meaning as Meaning
-from .model import Name as Name
-from .model import Node as Node
 from .model import Parallel as Parallel
 from .model import Repeat as Repeat
 from .model import Retry as Retry

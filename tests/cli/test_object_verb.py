@@ -53,7 +53,6 @@ def test_a_mesh_becomes_an_object_that_worlds_take(project, capsys):
     ("words", "told"),
     [
         (["nowhere.stl"], "there is no such file or folder"),
-        (["a.stl", "--mass", "-1"], "--mass is a number above 0"),
         (["a.stl", "--name", "a b"], "can't be an object's name"),
     ],
 )
@@ -61,6 +60,17 @@ def test_what_cannot_be_added_is_said(project, capsys, words, told):
     trimesh.creation.box((0.05, 0.05, 0.05)).export(project / "a.stl")
     assert main(["object", "add", *words]) == 1
     assert told in capsys.readouterr().err
+    assert not (project / "objects").exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--mass", "-1"), ("--scale", "inf"), ("--friction", "0"), ("--parts", "0")]
+)
+def test_a_number_that_no_object_can_have_is_a_mistake_in_usage(project, capsys, option, value):
+    with pytest.raises(SystemExit) as ended:
+        main(["object", "add", "a.stl", option, value])
+    assert ended.value.code == 2
+    assert f"argument {option}: '{value}' isn't a" in capsys.readouterr().err
     assert not (project / "objects").exists()
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import importlib.util
-import xml.etree.ElementTree as ET
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 
 from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError, nearest
+from grip_bt.commanders.description.packages import name_of_package
 from grip_bt.ros.frames import FrameTree
 from grip_bt.ros.interfaces.build import DEPENDENCIES, FOLDER
 from grip_bt.ros.interfaces.packages import (
@@ -37,7 +37,7 @@ def packages_here(project: Project) -> Packages | None:
 
     found: dict[str, list[Path]] = {}
     for path in project.folder.glob(f"{project.file.components or 'components'}/*/interfaces/**/package.xml"):
-        found.setdefault(_name_in(path), []).append(path.parent)
+        found.setdefault(name_of_package(path.parent), []).append(path.parent)
     for package in interface_packages(search_path()):
         found.setdefault(package, []).extend(prefix / "share" / package for prefix in search_path())
     for package in DEPENDENCIES:
@@ -113,13 +113,6 @@ def _unstartable(start: Start | None, packages: Packages | None, where: str) -> 
     except PackageError as error:
         return [Problem(MISSING_PACKAGE, f"{where}: {error}", "name one that it has")]
     return []
-
-
-def _name_in(manifest: Path) -> str:
-    try:
-        return ET.parse(manifest).getroot().findtext("name", "").strip()
-    except (ET.ParseError, OSError):
-        return manifest.parent.name
 
 
 ROOT = "world"

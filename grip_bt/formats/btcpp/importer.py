@@ -97,16 +97,10 @@ class Importer:
         self.used = {self.name}
         root = self.document.trees[self.name]
         try:
-            self.made = self._root(ElementReader(self.reading, root, Board(self.variables), (self.name,)))
+            self.made = ElementReader(self.reading, root, Board(self.variables), (self.name,)).only()
         except Refused as refused:
             self.reading.issues.add("no-equivalent", str(refused.element), str(refused), root.source, root.line)
         self.leaves.settle()
-
-    def _root(self, tree: ElementReader) -> NodeDraft:
-        below = tree.element.children
-        if len(below) != 1:
-            tree.refuse(f"needs one node inside, and has {len(below)}")
-        return tree.at(below[0]).attempt()
 
     def node(self, here: ElementReader) -> NodeDraft:
         """Read a node, and all below it."""
@@ -174,7 +168,7 @@ class Importer:
         said = self.document.models.get(name, Model(""))
         given = {key: port.default for key, port in said.ports.items() if port.default is not None} | _ports(here)
         board = here.board.inner(here.attributes.get("name") or name, given, auto)
-        return self._root(here.at(trees[name], board=board, inside=inside))
+        return here.at(trees[name], board=board, inside=inside).only()
 
     # --- the task ---
 

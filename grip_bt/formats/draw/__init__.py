@@ -2,6 +2,5 @@
 
 from .svg import to_svg
 from .text import to_dot, to_mermaid
-from .views import View
 
-__all__ = ["View", "to_dot", "to_mermaid", "to_svg"]
+__all__ = ["to_dot", "to_mermaid", "to_svg"]

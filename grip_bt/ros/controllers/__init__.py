@@ -4,7 +4,6 @@ from grip_bt.ros.controllers.trajectory import ControllerManager
 
 from .hands import ControlledHand, GripperHand, TopicTouch, TopicWrench
 from .joint_states import JointStates
-from .motion import RosExecutor
 from .streaming import StreamedExecutor, TopicExecutor
 from .trajectory import TrajectoryExecutor
 
@@ -13,7 +12,6 @@ __all__ = [
     "ControllerManager",
     "GripperHand",
     "JointStates",
-    "RosExecutor",
     "StreamedExecutor",
     "TopicExecutor",
     "TopicTouch",

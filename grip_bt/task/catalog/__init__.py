@@ -10,7 +10,6 @@ from .catalog import load_implementation as load_implementation
 from .manifest import InputPort as InputPort
 from .manifest import Manifest as Manifest
 from .manifest import OutputPort as OutputPort
-from .manifest import Parameter as Parameter
 from .manifest import find_manifests as find_manifests
 from .manifest import read_manifests as read_manifests
 from .python_nodes import find_python_nodes as find_python_nodes

@@ -8,7 +8,6 @@ from .change_kind import ChangeKind as ChangeKind
 from .change_kind import Convert as Convert
 from .change_kind import Extract as Extract
 from .commands import AnyCommand as AnyCommand
-from .commands import Command as Command
 from .commands import Group as Group
 from .commands import Patch as Patch
 from .commands import apply as apply
@@ -18,7 +17,6 @@ from .comment import Comment as Comment
 from .comment import comment_of as comment_of
 from .containers import Unwrap as Unwrap
 from .containers import Wrap as Wrap
-from .documents import Edited as Edited
 from .documents import apply_to_document as apply_to_document
 from .documents import rewrite as rewrite
 from .history import History as History

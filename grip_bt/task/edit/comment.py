@@ -46,14 +46,10 @@ def lines_of_comment(path: str, text: str) -> list[str]:
     """
     if len(text) > LONGEST:
         raise EditError(path, f"a comment may have {LONGEST} characters, not {len(text)}; shorten it")
-    lines = [line.expandtabs(4).rstrip() for line in text.splitlines()]
+    lines = "\n".join(line.expandtabs(4).rstrip() for line in text.splitlines()).strip("\n").splitlines()
     strange = _UNWRITABLE.search("".join(lines))
     if strange:
         raise EditError(path, f"a comment can't have the character {strange.group()!r}; leave it out")
-    while lines and not lines[-1]:
-        del lines[-1]
-    while lines and not lines[0]:
-        del lines[0]
     return [f"# {line}".rstrip() for line in lines]
 
 

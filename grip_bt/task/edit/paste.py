@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from itertools import count
 from typing import Literal
 
@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from grip_bt.base.frozen import FrozenDict
 
 from ..canonical import file_data
-from ..model import AnyNode, Name, Sequence, StateMachine, Task, children_of, outcomes_of
+from ..model import AnyNode, Name, Sequence, StateMachine, Task, children_of, outcomes_of, walk
 from .editing import BaseCommand, Edit, expect_free, expect_room, path_in_words, slot
 from .variables import RenameVariable, declared_by, used_by
 
@@ -83,7 +83,8 @@ def clip_of(task: Task, path: str) -> Clip:
 
 def _names(command: Paste, there: Mapping[str, object]) -> dict[str, str]:
     names: dict[str, str] = {}
-    taken = {*there, *command.clip.variables, *_declared_within(_parsed(command.clip).root)}
+    inside = (name for _, node in walk(_parsed(command.clip).root) for name in declared_by(node))
+    taken = {*there, *command.clip.variables, *inside}
     for name, declaration in command.clip.variables.items():
         alike = name in there and _type(there[name]) == _type(declaration)
         if alike and command.variables == "share":
@@ -130,12 +131,6 @@ def _free(node: AnyNode) -> set[str]:
     around, inside = used_by(node)
     below = set().union(*(_free(child) for child in children_of(node).values()))
     return around | ((inside | below) - set(declared_by(node)))
-
-
-def _declared_within(node: AnyNode) -> Iterator[str]:
-    yield from declared_by(node)
-    for child in children_of(node).values():
-        yield from _declared_within(child)
 
 
 def _seen_from(task: Task, path: str, itself: bool = False) -> dict[str, object]:

@@ -27,7 +27,7 @@ from grip_bt.task import (
 )
 from grip_bt.task.catalog import Catalog, Manifest, Type, parse_type
 from grip_bt.task.document import Document
-from grip_bt.task.parts import has_value, type_of
+from grip_bt.task.parts import type_of
 
 from .codes import SEVERITY, suggestion
 from .subtasks import Subtasks
@@ -49,11 +49,6 @@ class VariableDeclaration:
     type: Type | None
     key: str = "data"
     """Where it is declared: `data`, or `inputs` or `outputs` of a task."""
-
-    @property
-    def has_value(self) -> bool:
-        """Whether it has an initial value."""
-        return has_value(self.variable)
 
 
 Scope = Mapping[str, VariableDeclaration]

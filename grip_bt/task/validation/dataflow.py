@@ -5,6 +5,7 @@ from __future__ import annotations
 from grip_bt.task import Leaf, Subtask
 from grip_bt.task.kind_analysis import flow
 from grip_bt.task.model import Childless, default_outcome
+from grip_bt.task.parts import has_value
 from grip_bt.task.validation.analysis import PlacedNode, TaskAnalysis
 from grip_bt.task.validation.possible import PossibleOutcomes
 
@@ -30,7 +31,7 @@ class DataFlow:
         self._known: dict[tuple[str, int], States] = {}
         start = 0
         for declared in analysis.task_scope.values():
-            start |= declared.bit if declared.has_value or declared.key == "inputs" else 0
+            start |= declared.bit if has_value(declared.variable) or declared.key == "inputs" else 0
         self.ends = self._after(analysis.root, start)
 
     def _after(self, placed: PlacedNode, state: int) -> States:
@@ -59,7 +60,7 @@ class DataFlow:
             return dict.fromkeys(placed.outcomes, state)
         for name in node.data:  # a scope begins anew each time its container is entered
             declared = placed.scope[name]
-            state = state | declared.bit if declared.has_value else state & ~declared.bit
+            state = state | declared.bit if has_value(declared.variable) else state & ~declared.bit
 
         def after(name: str, before: int) -> States:
             return self._after(placed.children[name], before)

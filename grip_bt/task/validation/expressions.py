@@ -10,9 +10,9 @@ from grip_bt.base.errors import ExpressionError, listing, nearest
 from grip_bt.base.expression import CONSTANTS, Expression, parse_expression
 from grip_bt.base.types import VALUES
 from grip_bt.task import Leaf, expressions_of
-from grip_bt.task.catalog import Type, is_assignable, parse_type
+from grip_bt.task.catalog import Type, is_assignable
 
-from .analysis import PlacedNode, TaskAnalysis
+from .analysis import PlacedNode, TaskAnalysis, type_or_none
 
 BOOL, INT, FLOAT, ANY = Type("bool"), Type("int"), Type("float"), Type("Any")
 _NUMBERS = ("int", "float", "Any")
@@ -138,18 +138,12 @@ def _attributes(value: str) -> dict[str, Type]:
     for cls in reversed(getattr(values, value).__mro__):
         for name, said in getattr(cls, "__annotations__", {}).items():
             if not name.startswith("_"):
-                found[name] = _declared(said)
+                found[name] = type_or_none(str(said)) or ANY
         for name, member in vars(cls).items():
             if isinstance(member, property) and not name.startswith("_"):
-                found[name] = _declared(getattr(member.fget, "__annotations__", {}).get("return", "Any"))
+                returned = getattr(member.fget, "__annotations__", {}).get("return", "Any")
+                found[name] = type_or_none(str(returned)) or ANY
     return found
-
-
-def _declared(annotation: object) -> Type:
-    try:
-        return parse_type(str(annotation))
-    except ValueError:
-        return ANY
 
 
 _COMPUTING = ("flow/compute", "flow/wait_until")

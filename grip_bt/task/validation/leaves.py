@@ -8,6 +8,7 @@ from functools import cache
 from grip_bt.base.errors import listing, nearest
 from grip_bt.task import Leaf, Subtask
 from grip_bt.task.catalog import Manifest, check_value
+from grip_bt.task.parts import has_value
 
 from .analysis import PlacedNode, TaskAnalysis, type_or_none
 from .codes import has_literal_form, suggestion
@@ -100,7 +101,9 @@ def check_subtasks(analysis: TaskAnalysis) -> None:
                     if port in placed.manifest.inputs:
                         _literal(analysis, placed, placed.node, port, placed.manifest.inputs[port].type)
     for name in analysis.task.outputs:
-        if not analysis.task_scope[name].bit & analysis.root.writes and not analysis.task_scope[name].has_value:
+        if not analysis.task_scope[name].bit & analysis.root.writes and not has_value(
+            analysis.task_scope[name].variable
+        ):
             message = f"nothing writes the output {name!r}"
             fix = "bind it under `out` of the node that makes it, or remove it"
             analysis.add("", ("outputs", name), "unwritten-output", message, fix)

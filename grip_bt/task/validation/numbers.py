@@ -25,7 +25,7 @@ def check_numbers(analysis: TaskAnalysis) -> None:
         else:
             _not_finite(analysis, placed.path, getattr(node, "seconds", None), ("seconds",), told=True)
     for declared in analysis.declared:
-        if isinstance(declared.variable, Variable) and declared.has_value:
+        if isinstance(declared.variable, Variable) and declared.variable.has_value:
             _not_finite(analysis, declared.owner, declared.variable.value, (declared.key, declared.name, "value"))
 
 

@@ -57,7 +57,7 @@ def _declaration(analysis: TaskAnalysis, declared: VariableDeclaration) -> None:
     except ValueError as error:
         analysis.add(declared.owner, where, "unknown-type", f"{declared.name!r}: {error}")
         return
-    if isinstance(declared.variable, Variable) and declared.has_value:
+    if isinstance(declared.variable, Variable) and declared.variable.has_value:
         reason = check_value(type_, declared.variable.value)
         if reason:
             message = f"the initial value of {declared.name!r} {reason}"

@@ -157,7 +157,7 @@ HOSTILE: list[tuple[str, str, str]] = [
     ),
     ("outside", "<root BTCPP_format='4'><include path='../../pyproject.toml'/></root>", "there is no file"),
     ("absolute", "<root BTCPP_format='4'><include path='/etc/passwd'/></root>", "there is no file"),
-    ("empty tree", "<root BTCPP_format='4'><BehaviorTree ID='A'/></root>", "needs one node inside"),
+    ("empty tree", "<root BTCPP_format='4'><BehaviorTree ID='A'/></root>", "has 0 children and needs 1"),
     ("long script", document(f"<Script code='{'a' * 5000}'/>"), "longer than 4000 characters"),
     ("deep script", document(f"<Script code='x := {'(' * 3000}1{')' * 3000}'/>"), "longer than 4000 characters"),
     ("nested script", document(f"<Script code='x := {'(' * 900}1{')' * 900}'/>"), "nested deeper than 40 levels"),
