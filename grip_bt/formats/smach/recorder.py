@@ -424,9 +424,11 @@ class _TrackedFinder(LegacyFinder):
             return self.finder.find_spec(fullname)
         found = super().find_spec(fullname, path, target)
         if found is None and path is None:
+            there = {*self.folders}
             paths = (Path(p) for p in sys.path if isinstance(p, str) and _is_of(p, self.workspace))
-            self.folders += [path for path in paths if path not in self.folders]
-            found = super().find_spec(fullname, path, target)
+            if more := [path for path in paths if path not in there]:
+                self.folders += more
+                found = super().find_spec(fullname, path, target)
         if found is not None:
             tracked_code.legacy_modules.add(fullname)
         return found
