@@ -1,9 +1,11 @@
 """The processes that construction runs in: each file sees what it would see alone, and what waits ends."""
 
+import marshal
 import os
 import signal
 import threading
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 
 from smach_runs import record
@@ -184,3 +186,43 @@ def test_a_library_that_one_file_has_loaded_is_another_module_where_a_workspace_
         "own": ("exact", "OWN"),
         "last": ("exact", "networkx.utils"),
     }
+
+
+SHARED = """import smach
+from library import NAMES
+
+sm = smach.StateMachine(["done"])
+with sm:
+    for name in NAMES:
+        smach.StateMachine.add(name, smach.State(["done"]), {"done": "done"})
+"""
+
+
+def test_what_a_process_has_compiled_is_taken_by_the_others_until_the_file_changes(tmp_path):
+    library, missions = tmp_path / "library.py", [tmp_path / f"mission_{number}.py" for number in range(3)]
+    library.write_text("NAMES = ['A']\n")
+    for mission in missions:
+        mission.write_text(SHARED)
+    with Recorder() as recorder:
+        labels(recorder, missions[0])
+        shelf = Path(recorder._shelf.name)
+        kept = {marshal.loads(file.read_bytes())[0][0]: file for file in shelf.iterdir()}
+        assert sorted(kept) == [str(library), str(missions[0])]
+        key, _ = marshal.loads(kept[str(library)].read_bytes())
+        other = compile("NAMES = ['B']\n", str(library), "exec")
+        for process in (free.get() for free in recorder._free * 2):  # the next ones have nothing of their own
+            if process is not None:
+                process.communicate()
+        for free in recorder._free * 2:
+            free.put(None)
+        kept[str(library)].write_bytes(marshal.dumps((key, (other, []))))
+        assert labels(recorder, missions[1]) == ["B"]
+        library.write_text("NAMES = ['C', 'D']\n")
+        assert labels(recorder, missions[2]) == ["C", "D"]
+    assert not shelf.exists()
+
+
+def labels(recorder, mission):
+    (found,) = import_file(mission, recorder=recorder).containers
+    assert found.verdict == "exact"
+    return list(found.added)
