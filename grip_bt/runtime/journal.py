@@ -183,10 +183,8 @@ class _RunWriter:
         """Return the number of a kind of event at a node; the first time it is entered in the table of names."""
         if isinstance(what, DetailedEvent):
             key: _Key = (path, what.event, what.outcome, what.code)
-        elif what == ENTER and type(what) is int:
-            key = (path, "enter", None, None)
-        elif what == INTERRUPTED and type(what) is int:
-            key = (path, "interrupted", None, None)
+        elif type(what) is int:
+            key = (path, "enter" if what == ENTER else "interrupted", None, None)
         else:
             key = (path, "exit", what, None)
         number = self._keys.get(key)

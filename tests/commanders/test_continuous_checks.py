@@ -1,5 +1,6 @@
 """A check of a hand's hull first, and of motions all along, says the same as a check of everything."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,8 @@ from table_top import robot_model
 
 from grip_bt.base.values import Pose, Trajectory
 from grip_bt.base.values.solids import Box, Cylinder
-from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.collision import _KEPT, CollisionChecker, _newest, checker_of
+from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.continuous import continuously_free, first_touch
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.search import halving
@@ -211,3 +213,32 @@ def test_trajectories_at_once_are_free_only_if_all_that_controllers_draw_between
     assert answers.count((True, True)) > 10
     assert answers.count((False, True)) <= 2
     assert touched > 10
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_checker_that_was_asked_before_answers_as_a_new_one(chain, seed):
+    """The same scene in another object is the same scene, as a planner gets it with each request."""
+    kept, moved = checker_of(chain, SCENE, "hand"), np.full(len(chain.joints), 0.05)
+    for rows in (random_rows(chain, 200, 100 + seed), random_rows(chain, 30, 200 + seed)):
+        again = checker_of(chain, SceneSnapshot(dict(SCENE.objects)), "hand")
+        new = CollisionChecker(chain, SCENE, "hand")
+        assert again is kept
+        assert (again.free_each(rows) == new.free_each(rows)).all()
+        assert (again.clear_while_moving(rows, moved) == new.clear_while_moving(rows, moved)).all()
+        assert (again.clear_while_moving(rows, moved, False) == new.clear_while_moving(rows, moved, False)).all()
+        assert [again.pairs(q) for q in rows[:30]] == [new.pairs(q) for q in rows[:30]]
+        assert again.all_free(rows) == new.all_free(rows)
+
+
+def test_a_checker_is_kept_for_what_it_was_made_of_alone(chain):
+    other = RobotModel(robot_model().description).chain("arm")
+    moved = SCENE.with_object(replace(SCENE.objects["can"], pose=Pose((0.5, -0.3, 0.15))))
+    turned = SceneSnapshot(dict(reversed(SCENE.objects.items())))
+    made_of = [(chain, SCENE, "hand"), (chain, SCENE, "hand", 0.01), (chain, SCENE), (chain, moved, "hand")]
+    made_of += [(chain, turned, "hand"), (other, SCENE, "hand"), (chain, SCENE.without(["can"]), "hand")]
+    made = [checker_of(*each) for each in made_of]
+    assert len(set(map(id, made))) == len(made)
+    for k in range(_KEPT):
+        checker_of(chain, SCENE.with_object(replace(SCENE.objects["can"], pose=Pose((0.5, 0.01 * k, 0.15)))), "hand")
+    assert len(_newest) == _KEPT
+    assert checker_of(*made_of[0]) is not made[0]

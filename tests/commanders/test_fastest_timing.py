@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from grip_bt.commanders.trajectory import timing
 from grip_bt.commanders.trajectory.limits import Limits
 from grip_bt.commanders.trajectory.timing import _curve, _drive
+from grip_bt.commanders.trajectory.toppra_alone import toppra
 
 
 def driven(rows, velocity, acceleration):
@@ -44,3 +46,22 @@ def test_joints_that_stand_still_or_turn_back_limit_nothing_they_should_not():
 def test_a_straight_line_is_driven_as_a_trapezoid():
     _, grid, speed, _ = driven(np.array([[0.0], [2.0]]), np.array([0.5]), np.array([1.0]))
     assert speed**2 == pytest.approx(np.minimum(np.minimum(2 * grid, 2 * (2.0 - grid)), 0.25), abs=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_the_library_is_spared_changes_nothing(seed, monkeypatch):
+    """Its own limits and its own choice of a solver come to the same, bit by bit, whatever was timed before."""
+    rng = np.random.default_rng(seed)
+    rows = np.cumsum(rng.uniform(-0.3, 0.3, (6, 7)), axis=0)
+    limits = rng.uniform(0.2, 3, 7), rng.uniform(0.2, 15, 7)
+    driven(rows, 2 * limits[0], 3 * limits[1])
+    spared = driven(rows, *limits)[1:]
+
+    def whole(made, path, grid):
+        velocities = toppra.constraint.JointVelocityConstraint(made[0].vlim)
+        accelerations = toppra.constraint.JointAccelerationConstraint(made[1].alim)
+        return toppra.algorithm.TOPPRA([velocities, accelerations], path, gridpoints=grid)
+
+    monkeypatch.setattr(timing, "Timing", whole)
+    for one, other in zip(spared, driven(rows, *limits)[1:], strict=True):
+        assert one.tobytes() == other.tobytes()

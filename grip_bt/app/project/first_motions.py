@@ -69,7 +69,7 @@ class MotionFinder:
         at_rest = self.robot.at_rest
         rest = JointState(self.robot.joints, [at_rest.get(j, 0.0) for j in self.robot.joints])
         self.situation = Situation(group, rest, self.room, "", PlanningSettings())
-        self.chain, self.checker = chain_and_checker(self.model, self.situation, 0.0)
+        self.chain, self.checker = chain_and_checker(self.model, self.situation)
         named = {name: s.ordered(self.chain.joints) for name, s in self.robot.named_states.get(group, {}).items()}
         free = {name: q for name, q in named.items() if self.checker.free(q)}
         touching = {name: self.checker.pairs(q) for name, q in named.items() if name not in free}

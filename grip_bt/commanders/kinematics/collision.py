@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from itertools import combinations
 from typing import TypeAlias
@@ -45,7 +45,7 @@ class CollisionChecker:
     """
 
     def __init__(self, chain: Chain, scene: SceneSnapshot, hand: str = "", margin: float = 0.0):
-        self.chain, self.scene = chain, scene
+        self.chain, self.scene, self.made_of = chain, scene, (chain, scene, [*scene.objects], hand, margin)
         self._geometry, self._outline = chain.geometry.copy(), chain.outline.geometry.copy()
         self._place = dict(chain.outline.place)
         self._names = list(chain.links)
@@ -85,16 +85,14 @@ class CollisionChecker:
     def _data(self) -> pin.GeometryData:
         return self._geometry.createData()
 
-    def _held_by_others(self, hand: str) -> list[tuple[SceneObject, pin.Frame]]:
-        """Return what other hands hold, with the frame of this chain's model that it moves with."""
+    def _held_by_others(self, hand: str) -> Iterator[tuple[SceneObject, pin.Frame]]:
+        """Yield what other hands hold, with the frame of this chain's model that it moves with."""
         model, scene = self.chain.model, self.scene
-        found = []
         for item in scene.objects.values():
             if item.hand and item.hand != hand and item.hand in scene.carriers:
                 frame = f"{GRASP_FRAME}/{scene.carriers[item.hand].group}"
                 frame = frame if model.existFrame(frame) else GRASP_FRAME
-                found.append((item, model.frames[model.getFrameId(frame)]))
-        return found
+                yield item, model.frames[model.getFrameId(frame)]
 
     def _links_of(self, hand: str) -> frozenset[int]:
         """Return the indices of a hand's shapes; those of all hands, where it isn't known which are whose."""
@@ -217,6 +215,18 @@ class CollisionChecker:
             pairs = geometry.collisionPairMapping >= 0
             pairs[np.minimum(a, b), np.maximum(a, b)] = True
             geometry.setCollisionPairs(pairs)
+
+
+_KEPT = 16
+_newest: list[CollisionChecker] = []
+
+
+def checker_of(chain: Chain, scene: SceneSnapshot, hand: str = "", margin: float = 0.0) -> CollisionChecker:
+    """Return a checker, one of the newest where it was made of the same: most plans are made in the scene before."""
+    made_of = chain, scene, [*scene.objects], hand, margin
+    same = [each for each in _newest if each.made_of == made_of] or [CollisionChecker(chain, scene, hand, margin)]
+    _newest[:] = [*same, *(each for each in _newest if each not in same)][:_KEPT]
+    return same[0]
 
 
 def _keep_apart(pool: _Pool, geometry: pin.GeometryModel, margins: Array) -> None:

@@ -196,7 +196,7 @@ class RobotModel:
         """Return the joints of groups, from the base on as pin lists them, and where the others are."""
         q = self.configuration(*states)
         mine = {joint for group in groups for joint in self.description.group(group)}
-        names = tuple(str(n) for n in self.model.names if n in mine)
+        names = tuple(name for name in self._columns if name in mine)
         q[[self._columns[n] for n in names]] = 0.0
         return names, q
 

@@ -14,7 +14,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import NoIkError, PathInvalidError
 from grip_bt.base.values import Plan, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
-from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.collision import CollisionChecker, checker_of
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
 from grip_bt.commanders.planning import requests
 from grip_bt.commanders.planning.budget import Budget
@@ -73,14 +73,13 @@ def plan_from_trajectory(model: RobotModel, request: requests.CheckTrajectory) -
         PathInvalidError: something would be touched; `data` says after what `time` [s], and which `pairs`.
     """
     given, situation = request.trajectory, request.situation
-    chain = model.chain(situation.group, situation.start)
+    chain, checker = chain_and_checker(model, situation)
     positions = np.tile(situation.start.ordered(chain.joints), (len(given.times), 1))
     columns = [chain.joints.index(name) for name in given.names]
     positions[:, columns] = given.positions
     for moment, row in zip(given.times, positions, strict=True):
         if not chain.within_limits(row):
             raise out_of_limits(chain, row, f"{moment:.2f} s into the trajectory, it is")
-    checker = CollisionChecker(chain, situation.scene, situation.hand)
     if met := checker.pairs(positions[0]):
         raise PathInvalidError(f"the trajectory starts in collision: {touching(met)}", pairs=met, time=0.0)
     known = given.velocities is not None
@@ -167,10 +166,10 @@ def plan_to(model: RobotModel, request: requests.PlanTo, canceled: Callable[[], 
     situation = request.situation
     settings = situation.settings
     budget = Budget(settings.planning_time)
-    chain, checker = chain_and_checker(model, situation, margin=0.0)
+    chain, checker = chain_and_checker(model, situation)
     start = free_start(chain, checker, situation, request.constraint)
     goals = goals_of(chain, checker, request, start)
-    roomy = CollisionChecker(chain, situation.scene, situation.hand, settings.margin)
+    roomy = checker_of(chain, situation.scene, situation.hand, settings.margin)
     wide = roomy.free(start)
     tries = [(goal, c) for goal in goals for c in ([roomy] if wide and roomy.free(goal) else []) + [checker]]
     attempts = [
@@ -210,7 +209,7 @@ def plan_servo_step(model: RobotModel, request: requests.PlanServoStep) -> Traje
         PathInvalidError: something would be touched, at the latest while coming to rest; `data['pairs']` names what.
     """
     situation, settings = request.situation, request.situation.settings
-    chain = model.chain(situation.group, situation.start)
+    chain, checker = chain_and_checker(model, situation)
     start = np.clip(situation.start.ordered(chain.joints), chain.limits.lower, chain.limits.upper)
     limits = allowed(chain, settings)
     twist = np.concatenate(bounded(request.linear, request.angular))
@@ -223,7 +222,6 @@ def plan_servo_step(model: RobotModel, request: requests.PlanServoStep) -> Traje
     for row in step.positions:
         if not chain.within_limits(row, slack=1e-3):
             raise out_of_limits(chain, row, "the next steering step would be")
-    checker = CollisionChecker(chain, situation.scene, situation.hand)
     if touched := first_touch(checker, step):
         raise PathInvalidError(f"the steering step would collide: {touching(touched[1])}", pairs=touched[1])
     return step

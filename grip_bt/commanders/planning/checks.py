@@ -20,7 +20,7 @@ from grip_bt.base.failures import (
 )
 from grip_bt.base.values import JointState, PathConstraint, Pose, Trajectory
 from grip_bt.base.values.pose import check_frame
-from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.collision import CollisionChecker, checker_of
 from grip_bt.commanders.kinematics.damped_least_squares import Target
 from grip_bt.commanders.kinematics.ik import solver
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
@@ -138,10 +138,10 @@ START_SLACK = 0.03
 """A measured start may be outside the limits by this much [rad]; it is drawn in."""
 
 
-def chain_and_checker(model: RobotModel, situation: Situation, margin: float) -> tuple[Chain, CollisionChecker]:
-    """Return what moves, and what tells whether it is free, `margin` [m] away from the scene's objects."""
+def chain_and_checker(model: RobotModel, situation: Situation) -> tuple[Chain, CollisionChecker]:
+    """Return what moves, and what tells whether it is free."""
     chain = model.chain(situation.group, situation.start)
-    return chain, CollisionChecker(chain, situation.scene, situation.hand, margin)
+    return chain, checker_of(chain, situation.scene, situation.hand)
 
 
 def drawn_in(chain: Chain, situation: Situation) -> Array:

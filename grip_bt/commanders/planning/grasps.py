@@ -12,7 +12,7 @@ from grip_bt.base.failures import CanceledError, NoGraspError, NoIkError, NoPlan
 from grip_bt.base.values import Grasp, JointState
 from grip_bt.base.values.pose import check_frame
 
-from ..kinematics.collision import CollisionChecker
+from ..kinematics.collision import CollisionChecker, checker_of
 from ..kinematics.damped_least_squares import Target
 from ..kinematics.ik import solver
 from ..kinematics.model import Chain, RobotModel
@@ -75,12 +75,11 @@ STAGES = ("no_ik", "in_collision", "approach_blocked", "pre_grasp_in_collision",
 
 
 class GraspSearch:
-    """What the candidates of one request share: collision checkers, and configurations that reached one of them."""
+    """What the candidates of one request share: configurations that reached one of them."""
 
     def __init__(self, model: RobotModel, situation: Situation):
         self._model, self._situation, self._settings = model, situation, situation.settings
         self._reached: tuple[Array, ...] = ()
-        self._made: dict[tuple[int, str | None], CollisionChecker] = {}
 
     def tried(self, grasp: Grasp, canceled: Callable[[], bool]) -> tuple[JointState, JointState] | str:
         """Return configurations at the pre-grasp and at the grasp, or, where it isn't feasible, one of `STAGES`.
@@ -164,9 +163,5 @@ class GraspSearch:
 
     def _without(self, chain: Chain, target: str | None) -> CollisionChecker:
         """Return the checker that doesn't see an object; None stands for no object."""
-        key = (id(chain), target)
-        if key not in self._made:
-            scene = self._situation.scene
-            seen = scene if target is None else scene.without([target])
-            self._made[key] = CollisionChecker(chain, seen, self._situation.hand)
-        return self._made[key]
+        scene = self._situation.scene
+        return checker_of(chain, scene if target is None else scene.without([target]), self._situation.hand)

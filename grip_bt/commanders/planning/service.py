@@ -17,6 +17,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import count
 from typing import IO, Literal
 
 from grip_bt.base.failures import CanceledError, PlannerLostError
@@ -80,7 +81,7 @@ class PlanningProcess(Closing):
         self._given_up: subprocess.Popen[bytes] | None = None
         self._lock = threading.Lock()
         self._jobs: dict[int, _Job] = {}
-        self._numbers = 0
+        self._numbers = count(1)
         self._closed = False
         self._ready = threading.Event()
         self._settled = threading.Event()
@@ -105,8 +106,7 @@ class PlanningProcess(Closing):
         with self._lock:
             if self._closed:
                 raise RuntimeError("the planning process was closed")
-            self._numbers += 1
-            number = self._numbers
+            number = next(self._numbers)
             operation: Operation[Plan | ChosenGrasp | None] = Operation(on_cancel=lambda: self._cancel(number))
             if self._stillborn >= 2:
                 return Operation.failed(_lost(self._child))

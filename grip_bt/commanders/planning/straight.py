@@ -140,7 +140,7 @@ def plan_straight(model: RobotModel, request: PlanStraight) -> Trajectory:
         PathInvalidError: a joint would jump, or something would be touched; `data['pairs']` names what.
     """
     situation = request.situation
-    chain, checker = chain_and_checker(model, situation, margin=0.0)
+    chain, checker = chain_and_checker(model, situation)
     start, lines = drawn_in(chain, situation), list[Path]()
     for k, pose in enumerate(request.poses):
         begin = lines[-1][-1] if lines else start

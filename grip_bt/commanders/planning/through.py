@@ -138,7 +138,7 @@ class _Through:
     def __init__(self, model: RobotModel, request: PlanThrough, canceled: Callable[[], bool]):
         self.request, self.canceled, self.settings = request, canceled, request.situation.settings
         self.budget = Budget(self.settings.planning_time)
-        self.chain, self.checker = chain_and_checker(model, request.situation, margin=0.0)
+        self.chain, self.checker = chain_and_checker(model, request.situation)
         self.start = free_start(self.chain, self.checker, request.situation, request.constraint)
         self.lines = [p.straight and not isinstance(p.goal, JointState) for p in request.way_points]
 

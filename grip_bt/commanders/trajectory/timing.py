@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from copy import copy
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -12,9 +13,12 @@ from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.values import Trajectory
 from grip_bt.commanders.trajectory.limits import Limits
 from grip_bt.commanders.trajectory.splines import averaged, slowed, smoothed
-from grip_bt.commanders.trajectory.toppra_alone import ParametrizeConstAccel, toppra
+from grip_bt.commanders.trajectory.toppra_alone import ParametrizeConstAccel, Timing, toppra
 
 toppra.setup_logging("ERROR")
+_VELOCITIES = toppra.constraint.JointVelocityConstraint(np.ones(1))
+_ACCELERATIONS = toppra.constraint.JointAccelerationConstraint(np.ones(1))
+"""Copied, with other limits: each that is made says its limits in words, which takes longer than its use."""
 
 SAMPLING = 0.01
 """Time between two points of a trajectory [s]; of a short one, down to `_SHORTEST`."""
@@ -147,15 +151,13 @@ def _drive(at: Array, curve: BSpline, limits: Limits) -> ParametrizeConstAccel:
     steepest = np.maximum(np.abs(curve(grid, 1)).max(axis=0), _TINY)
     scale = unit / (along * steepest)
     velocity, acceleration = limits.velocity * scale, limits.acceleration * unit * scale
-    constraints = [
-        toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
-        toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
-    ]
     first, last = (curve(end, 1) / steepest for end in (at[0], at[-1]))  # with these its spline is the same curve
     rows = (curve(at) - curve(at[0])) / (along * steepest)
     path = toppra.SplineInterpolator(at / along, rows, bc_type=((1, first), (1, last)))
-    method = toppra.algorithm.TOPPRA(constraints, path, gridpoints=grid / along, parametrizer="ParametrizeConstAccel")
-    _, found, _ = method.compute_parameterization(0, 0)
+    most = copy(_VELOCITIES), copy(_ACCELERATIONS)
+    most[0].vlim, most[1].alim = (np.stack([-limit, limit], axis=1) for limit in (velocity, acceleration))
+    most[0].dof = most[1].dof = len(velocity)
+    _, found, _ = Timing([*most], path, grid / along).compute_parameterization(0, 0)
     if found is None or np.isnan(found).any():
         raise PathInvalidError("toppra finds no timing for the path", knots=len(at))
     return ParametrizeConstAccel(curve, grid, np.asarray(found, dtype=np.float64) * (along / unit))
