@@ -470,7 +470,8 @@ def main(shelf: str) -> None:
     """Answer jobs until stdin ends; `shelf`: a folder for compiled code."""
     global _shelf
     _shelf = Path(shelf)
-    gc.disable()  # here are no cycles to speak of, and whatever it would look at is copied in each child
+    gc.disable()  # in a child, whatever it looks at is written to, and so is copied
     for line in sys.stdin:
         sys.stdout.write(record(Job.model_validate_json(line)).model_dump_json(exclude_defaults=True) + "\n")
         sys.stdout.flush()
+        gc.collect(0)  # states know the container around them
