@@ -53,6 +53,14 @@ def replace_bytes(path: Path, data: bytes, durable: bool = False) -> None:
         raise
 
 
+def text_in(path: Path) -> str | None:
+    """Return a file's text; None where it can't be read, or isn't text in UTF-8."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return None
+
+
 def copy_folder(folder: Path, copy: Path, ignore: Callable[[str, list[str]], Iterable[str]] | None = None) -> None:
     """Copy a folder that may be read-only, as installed ones are; whoever copies may write to all of the copy."""
     shutil.copytree(folder, copy, ignore=ignore)

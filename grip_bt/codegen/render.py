@@ -15,7 +15,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from grip_bt.base.errors import EvaluationError, GripError
 from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
-from grip_bt.base.files import replace_text
+from grip_bt.base.files import replace_text, text_in
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.python_literals import py
 from grip_bt.codegen.contract import INPUT, FieldsOf, check_contract, input_ports, output_ports, port_type, received
@@ -197,7 +197,7 @@ class NotOursError(GripError):
 
 def outdated(folder: Path, files: Mapping[str, str]) -> list[str]:
     """Return the paths of files that are missing in `folder`, differ, or were generated once and aren't any more."""
-    wrong = [path for path, text in files.items() if _read(folder / path) != text]
+    wrong = [path for path, text in files.items() if text_in(folder / path) != text]
     return sorted([*wrong, *(p.name for p in _left_over(folder, files))])
 
 
@@ -209,7 +209,7 @@ def write_package(folder: Path, files: Mapping[str, str]) -> list[str]:
     """
     changed = outdated(folder, files)
     for path in files:
-        present = _read(folder / path)
+        present = text_in(folder / path)
         if present is not None and MARK not in present:
             raise NotOursError(folder / path)
     for path in changed:
@@ -225,11 +225,4 @@ def _left_over(folder: Path, files: Mapping[str, str]) -> list[Path]:
     if not folder.is_dir():
         return []
     others = (p for p in sorted(folder.iterdir()) if p.is_file() and p.name not in files)
-    return [p for p in others if MARK in (_read(p) or "")[:200]]
-
-
-def _read(path: Path) -> str | None:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
-        return None
+    return [p for p in others if MARK in (text_in(p) or "")[:200]]

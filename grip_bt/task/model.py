@@ -10,7 +10,6 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.task.kinds import KINDS as KINDS
-from grip_bt.task.kinds.base import Decorator as Decorator
 from grip_bt.task.kinds.base import Kind as Kind
 from grip_bt.task.kinds.base import Leaf as Leaf
 from grip_bt.task.kinds.base import Node as Node
@@ -35,7 +34,6 @@ from grip_bt.task.kinds.timeout import Timeout as Timeout
 from grip_bt.task.parts import FORMAT_VERSION as FORMAT_VERSION
 from grip_bt.task.parts import Meaning as Meaning
 from grip_bt.task.parts import Name as Name
-from grip_bt.task.parts import Shape as Shape
 from grip_bt.task.parts import Variable as Variable
 from grip_bt.task.parts import WithFreeKeys as WithFreeKeys
 from grip_bt.task.parts import type_of as type_of
@@ -124,6 +122,11 @@ def default_outcome(task: Task, outcome: str, meaning: str) -> str | None:
 
 
 _NONE: FrozenDict[str, AnyNode] = FrozenDict()
+
+
+def kind_of(node: AnyNode | Task) -> str:
+    """Return a node's kind; `leaf` for a node of the catalogue."""
+    return str(getattr(node, "kind", "leaf"))
 
 
 def children_of(node: AnyNode) -> FrozenDict[str, AnyNode]:

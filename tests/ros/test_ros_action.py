@@ -11,7 +11,6 @@ import signal
 import subprocess
 import sys
 import time
-import uuid
 from collections import Counter
 
 import pytest
@@ -26,7 +25,6 @@ from grip_bt.base.failures import (
     ServerLostError,
     ServerTimeOutError,
 )
-from grip_bt.ros.client.action import new_goal_id
 from grip_bt.ros.client.goal import GoalEnd, Phase
 
 pytestmark = pytest.mark.ros
@@ -317,9 +315,3 @@ def _named(operation):
 def test_a_goal_may_take_for_ever(bus, act):
     act()
     assert ended(bus.action(WORK, "/work").send(work(), timeout=math.inf)).status == "succeeded"
-
-
-def test_ids_are_new_each_time():
-    ids = {new_goal_id() for _ in range(1000)}
-    assert len(ids) == 1000
-    assert {uuid.UUID(bytes=i).version for i in ids} == {4}

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from grip_bt.task import AnyNode, Leaf, Task, children_of, join, walk
 from grip_bt.task.catalog import Catalog
+from grip_bt.task.model import kind_of
 
-from .views import GLYPHS, View, describe, details, kind_of, links_of, outcomes_shown
+from .views import GLYPHS, View, describe, details, links_of, outcomes_shown
 
 
 def to_dot(task: Task, catalog: Catalog, view: View = "tree") -> str:

@@ -11,6 +11,7 @@ from grip_bt.formats.draw import layout
 from grip_bt.task import KINDS, AnyNode, Container, Leaf, Task, children_of, outcomes_of, walk
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.kind_analysis import links
+from grip_bt.task.model import kind_of
 
 View = Literal["tree", "flow"]
 GLYPHS = {"leaf": "", **{name: kind.sign for name, kind in KINDS.items()}}
@@ -28,11 +29,6 @@ class Link:
     target: str
     label: str
     to_outcome: bool = False
-
-
-def kind_of(node: AnyNode) -> str:
-    """Return `leaf` or the container's kind."""
-    return "leaf" if isinstance(node, Leaf) else node.kind
 
 
 def describe(node: AnyNode) -> str:

@@ -188,7 +188,7 @@ class ActionClient(ServedClient[_Entry]):
     def _send(self, request: _Entry, now: float) -> None:
         grace = GRACE if self._supervised else 0.0
         patience = GoalTimeouts(request.deadline - request.began, request.cancel_within, grace, request.limit)
-        request.machine, request.goal_id = Goal(self.name, patience, request.began, now), new_goal_id()
+        request.machine, request.goal_id = Goal(self.name, patience, request.began, now), uuid.uuid4().bytes
         if request.watchdog is not None:
             request.watchdog.goal_sent(self.name, request.goal_id)
         goals, _, _ = self._made or ()
@@ -250,8 +250,3 @@ class ActionClient(ServedClient[_Entry]):
             entry.status = known[entry.goal_id]
             if entry.machine.phase in (Phase.SENT, Phase.ORPHANED_SENT):
                 self._do(entry, entry.machine.status(entry.status, time.monotonic()))
-
-
-def new_goal_id() -> bytes:
-    """Return an id that no other goal has, 16 bytes."""
-    return uuid.uuid4().bytes

@@ -97,7 +97,7 @@ class ComponentFile(Settings):
         given = data.get("outcomes")
         if given is None and "/msg/" in str(data.get("interface")):
             given = {"published" if data.get("use") == "publish" else "received": "true"}
-        if isinstance(given, dict) and not _numbered(given):
+        if isinstance(given, dict) and set(map(type, given.values())) != {int}:  # those would number them
             rules = {label: "true" if rule is True else rule for label, rule in given.items()}
             return {**data, "outcomes": tuple(given), "rules": rules}
         return data
@@ -172,10 +172,6 @@ class ComponentFile(Settings):
             elif field not in self.fixed and not (field in self.ports and self.ports[field].field):
                 found[field] = field
         return found
-
-
-def _numbered(outcomes: dict[object, object]) -> bool:
-    return bool(outcomes) and all(isinstance(n, int) and not isinstance(n, bool) for n in outcomes.values())
 
 
 def load_component(path: str | Path) -> ComponentFile:

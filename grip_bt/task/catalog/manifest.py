@@ -27,7 +27,7 @@ def _known_type(name: str) -> str:
     return name
 
 
-_TypeName = Annotated[str, AfterValidator(_known_type)]
+TypeName = Annotated[str, AfterValidator(_known_type)]
 """The name of a type of values, such as `list[Grasp]`."""
 
 
@@ -38,7 +38,7 @@ class _ManifestPart(BaseModel):
 class Parameter(_ManifestPart):
     """A literal that a task gives under `with:`."""
 
-    type: _TypeName
+    type: TypeName
     doc: str = ""
     default: object = None
     names: Names | None = None
@@ -53,7 +53,7 @@ class Parameter(_ManifestPart):
 class InputPort(_ManifestPart):
     """A value that a node reads from the variable bound under `in:`."""
 
-    type: _TypeName
+    type: TypeName
     doc: str = ""
     required: bool = True
 
@@ -61,7 +61,7 @@ class InputPort(_ManifestPart):
 class OutputPort(_ManifestPart):
     """A value that a node writes, when it ends, to the variable bound under `out:`."""
 
-    type: _TypeName
+    type: TypeName
     doc: str = ""
     on: tuple[str, ...] = ()
     """Outcomes with which it is written; empty means with every outcome whose meaning is success."""

@@ -10,10 +10,9 @@ from typing import Literal
 from pydantic import Field, field_validator, model_validator
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.base.types import parse_type
 from grip_bt.base.yaml.models import Identifier, RosName, Settings, exactly_one
 from grip_bt.task.catalog.component_file import Kind
-from grip_bt.task.catalog.manifest import Manifest, OutputPort, read_manifests
+from grip_bt.task.catalog.manifest import Manifest, OutputPort, TypeName, read_manifests
 from grip_bt.task.catalog.start import Start
 
 MESSAGES = {
@@ -33,18 +32,12 @@ class TopicConfig(Settings):
 
     topic: RosName
     """Name of the topic."""
-    type: str
+    type: TypeName
     """Type of the output: a value (`PointCloud`), a builtin, or the ROS type itself."""
     message: str | None = None
     """ROS type of the topic; the usual one of the value where nothing is said."""
     doc: str = ""
     """A sentence about the output."""
-
-    @field_validator("type")
-    @classmethod
-    def _type_exists(cls, value: str) -> str:
-        parse_type(value)
-        return value
 
     @model_validator(mode="after")
     def _message_is_known(self) -> TopicConfig:

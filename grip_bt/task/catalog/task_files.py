@@ -7,6 +7,7 @@ from pathlib import Path, PurePosixPath
 from typing import Protocol
 
 from grip_bt.base.errors import DocumentError, SubtaskError, nearest
+from grip_bt.base.files import text_in
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.task import Task, load
 from grip_bt.task.parts import has_value, type_of
@@ -77,7 +78,7 @@ class TaskFolder:
 
     def mentioning(self, text: str) -> Sequence[str]:
         """Return the YAML files in the folder, and below its `tasks`, that hold a text."""
-        return [file for file in self._files() if text in _text_of(self._folder / file)]
+        return [file for file in self._files() if text in (text_in(self._folder / file) or "")]
 
     def _path(self, file: str) -> Path:
         named = PurePosixPath(file)
@@ -120,10 +121,3 @@ def manifest_of_task(file: str, task: Task, surely_written: Mapping[str, Iterabl
         ),
         outcomes=task.outcomes,
     )
-
-
-def _text_of(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
-        return ""

@@ -9,9 +9,9 @@ from grip_bt.base.frozen import FrozenDict
 
 from ..document import CHILDREN, keys_of
 from ..kind_analysis import following
-from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine, children_of
+from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine, children_of, kind_of
 from ..parts import FREE_PREFIX
-from .editing import Edit, PathCommand, kind_in_words, kind_of, path_in_words, slot, slot_of
+from .editing import Edit, PathCommand, kind_in_words, path_in_words, slot, slot_of
 
 STANDARD = ("success", "failure")
 

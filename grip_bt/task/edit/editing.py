@@ -14,7 +14,7 @@ from grip_bt.base.yaml.tree import YamlMapping, from_data
 from grip_bt.task.canonical import file_data
 from grip_bt.task.document import CHILDREN
 from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Shift, Step, is_head, is_record
-from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, walk
+from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, kind_of, walk
 from grip_bt.task.parts import FREE_PREFIX
 
 
@@ -220,11 +220,6 @@ def slot_of(shape: type[BaseModel]) -> str:
 def slot(container: AnyNode) -> str:
     """Return the key under which a container has its children."""
     return slot_of(type(container))
-
-
-def kind_of(node: AnyNode | Task) -> str:
-    """Return a node's kind; `leaf` for a node of the catalogue."""
-    return str(getattr(node, "kind", "leaf"))
 
 
 def expect_free(container: AnyNode, path: str, name: str) -> None:

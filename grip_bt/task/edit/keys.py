@@ -9,9 +9,9 @@ from pydantic import Field
 from grip_bt.base.errors import EditError, listing, nearest
 
 from ..document import CHILDREN, keys_of
-from ..model import Meaning, StateMachine, children_of, outcomes_of
+from ..model import Meaning, StateMachine, children_of, kind_of, outcomes_of
 from ..parts import FREE_PREFIX
-from .editing import Edit, PathCommand, kind_of, path_in_words
+from .editing import Edit, PathCommand, path_in_words
 from .steps import Place
 
 _STRUCTURE = {

@@ -8,9 +8,9 @@ from typing import ClassVar, Literal
 from grip_bt.base.errors import EditError, listing, nearest
 
 from ..canonical import file_data
-from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task, default_outcome, outcomes_of
+from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task, default_outcome, kind_of, outcomes_of
 from .change_kind import STANDARD
-from .editing import Edit, PathCommand, kind_of
+from .editing import Edit, PathCommand
 from .steps import Place
 
 

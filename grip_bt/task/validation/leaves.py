@@ -101,9 +101,8 @@ def check_subtasks(analysis: TaskAnalysis) -> None:
                     if port in placed.manifest.inputs:
                         _literal(analysis, placed, placed.node, port, placed.manifest.inputs[port].type)
     for name in analysis.task.outputs:
-        if not analysis.task_scope[name].bit & analysis.root.writes and not has_value(
-            analysis.task_scope[name].variable
-        ):
+        output = analysis.task_scope[name]
+        if not output.bit & analysis.root.writes and not has_value(output.variable):
             message = f"nothing writes the output {name!r}"
             fix = "bind it under `out` of the node that makes it, or remove it"
             analysis.add("", ("outputs", name), "unwritten-output", message, fix)

@@ -204,11 +204,8 @@ def _unknown(kind: str, name: str, part: str, there: PartNames) -> Problem:
 
 
 def _of_types(value: object, packages: Collection[str] | None) -> Iterator[Problem]:
-    for type_ in value.values() if isinstance(value, Mapping) else [value]:
-        problem = (
-            missing_type(str(type_), packages, message=True) if packages is not None and "/" in str(type_) else None
-        )
-        if problem is not None:
+    for type_ in map(str, value.values() if isinstance(value, Mapping) else [value]):
+        if packages is not None and "/" in type_ and (problem := missing_type(type_, packages, message=True)):
             yield problem
 
 

@@ -143,7 +143,7 @@ class OpenDocument:
         history = self._settled()
         before, edited = self.layout, history.do(meaning(rebased(command, self._since(base)), history.document))
         self._dropped = None
-        self._enter(edited.steps, before)
+        self._enter(before, edited.steps)
 
     def pin(self, view: str, positions: dict[str, tuple[float, float] | None], title: str) -> None:
         """Pin nodes at positions of a view [px], or unpin them (None); it is undone like every edit."""
@@ -152,7 +152,7 @@ class OpenDocument:
         for path, spot in positions.items():
             layout = layout.pin(view, path, spot)
         history.do(Group(title=title, commands=()))
-        self._enter((), layout)
+        self._enter(layout, ())
 
     def write(self, text: str, base: int | None) -> None:
         """Take a text that a person has typed on the state `base` (None: on any); it may be no task yet.
@@ -179,7 +179,7 @@ class OpenDocument:
             steps: tuple[Step, ...] = ()
             if text != document.text:
                 steps = self.history.do(rewrite(document, text, title)).steps
-            self._enter(steps, before)
+            self._enter(before, steps)
         except (DocumentError, EditError):
             self.draft = text
             self.revision += 1
@@ -190,10 +190,9 @@ class OpenDocument:
         """Go to the moment before, if there is one; where there is a draft, drop it (redo brings it back)."""
         if self.draft is not None and self.history is not None:
             self._dropped, self.draft = self.draft, None
-            self._enter((), self.layout)
+            self._enter(self.layout, ())
             return
-        before, steps = self.layout, self._settled().undo()
-        self._enter(steps, before)
+        self._enter(self.layout, self._settled().undo())
 
     def redo(self, number: int | None = None) -> None:
         """Go to the moment that was left last, or to the one of this number that was made from here."""
@@ -202,13 +201,11 @@ class OpenDocument:
             self.draft, self._dropped = self._dropped, None
             self.revision += 1
             return
-        before, steps = self.layout, history.redo(number)
-        self._enter(steps, before)
+        self._enter(self.layout, history.redo(number))
 
     def go(self, number: int) -> None:
         """Go to any moment of any branch."""
-        before, steps = self.layout, self._settled().go(number)
-        self._enter(steps, before)
+        self._enter(self.layout, self._settled().go(number))
 
     def _settled(self) -> History:
         """Return the history, unless a draft is in the way."""
@@ -240,7 +237,7 @@ class OpenDocument:
         moved = {path: path_after(path, steps) for path, _ in walk(past[0].before.root) if path not in there}
         return {path: now for path, now in moved.items() if now in there}
 
-    def _enter(self, steps: tuple[Step, ...], before: Layout) -> None:
+    def _enter(self, before: Layout, steps: tuple[Step, ...]) -> None:
         """Note that the document has changed; a moment whose layout isn't known gets what the one before becomes."""
         assert self.history is not None
         self.revision += 1

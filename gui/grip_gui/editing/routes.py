@@ -210,7 +210,7 @@ def _add_requests(api: APIRouter, documents: DocumentStore, notify: Callable[[],
         return await change(request.path, lambda opened: opened.save(request.over), since)
 
     @api.post("/document/disk")
-    async def disk(request: wire.DiskRequest, since: int | None = None) -> Response:
+    async def disk(request: wire.OfDocument, since: int | None = None) -> Response:
         return await change(request.path, OpenDocument.take_from_disk, since)
 
     @api.post("/document/new")

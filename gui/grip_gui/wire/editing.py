@@ -145,18 +145,22 @@ class Part(Wire):
     variables: dict[str, Any] = {}  # the declarations of the variables that it uses and that are declared around it
 
 
-class EditRequest(Wire):
-    """Carry out a command that was made on a revision."""
+class OfDocument(Wire):
+    """Something about an open task file; as it is, to reload from the file for what is here."""
 
     path: TaskPath
+
+
+class EditRequest(OfDocument):
+    """Carry out a command that was made on a revision."""
+
     base: int
     command: dict[str, Any]
 
 
-class SaveRequest(Wire):
+class SaveRequest(OfDocument):
     """Save a file."""
 
-    path: TaskPath
     over: bool = False  # also over somebody else's change
 
 
@@ -167,40 +171,30 @@ class TextRequest(SaveRequest):
     text: str
 
 
-class StepRequest(Wire):
+class StepRequest(OfDocument):
     """Undo, redo, or go to a moment of any branch."""
 
-    path: TaskPath
     base: int
     step: Literal["undo", "redo", "go"]
     number: int | None = None
 
 
-class PinRequest(Wire):
+class PinRequest(OfDocument):
     """Pin nodes at positions, or let them go (null)."""
 
-    path: TaskPath
     view: View
     positions: dict[str, tuple[float, float] | None]
 
 
-class DiskRequest(Wire):
-    """Reload from the file for what is here."""
-
-    path: TaskPath
-
-
-class NewTask(Wire):
+class NewTask(OfDocument):
     """Make a task file."""
 
-    path: TaskPath
     text: str | None = None
 
 
-class ExpressionRequest(Wire):
+class ExpressionRequest(OfDocument):
     """Check an expression where it would stand; nothing is changed."""
 
-    path: TaskPath
     node: str
     key: list[str]
     text: Annotated[str, Field(max_length=2000)]

@@ -98,11 +98,6 @@ export interface ConversionView {
   kept: string[];
 }
 
-/** Reload from the file for what is here. */
-export interface DiskRequest {
-  path: string;
-}
-
 /** A task file that is open for editing. */
 export interface DocumentView {
   path: string;
@@ -428,6 +423,11 @@ export interface NodeView {
   outputs: Record<string, string>;
   parameters: Record<string, unknown>;
   fields: Record<string, unknown>;
+}
+
+/** Something about an open task file; as it is, to reload from the file for what is here. */
+export interface OfDocument {
+  path: string;
 }
 
 /** A literal that a leaf takes. */
