@@ -48,7 +48,7 @@ class NoiseSpec:
         unit: depth comes in whole multiples of it [m]; 0 for any depth.
         nearest: nothing is measured nearer than this [m].
         colour: standard deviation of each colour, of 255.
-        latency: the frame shows the world as it was so long ago, or up to 1/120 s longer, in simulated time [s].
+        latency: the frame shows the world as it was so long ago, or up to 1/60 s longer, in simulated time [s].
         misplaced: standard deviation of where a frame says that it was taken, along each axis, anew for each frame [m].
         misturned: likewise of how the camera was turned, about each axis [rad].
     """

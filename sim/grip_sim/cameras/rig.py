@@ -26,8 +26,8 @@ from grip_sim.specs import CameraSpec
 if TYPE_CHECKING:  # which makes the rig
     from grip_sim.world import World
 
-APART = 1 / 120
-"""Interval at which where everything is is kept for late cameras [s], which show it so much later at most."""
+APART = 1 / 60
+"""Interval at which late cameras take frames, for which it is kept where everything is [s]; so much later at most."""
 
 
 class Rig:
