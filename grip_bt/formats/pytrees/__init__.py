@@ -47,15 +47,12 @@ def read(request: Request) -> Imported:
     return from_xml(read_file(request.path), request.catalog(), where, request.path.parent)
 
 
-def import_from_code(
-    where: str, folder: Path, timeout: float = TIMEOUT, *, as_it_is: bool = False, stand_ins: bool = False
-) -> Imported:
+def import_from_code(where: str, folder: Path, *, as_it_is: bool = False, stand_ins: bool = False) -> Imported:
     """Run somebody's code in a process of its own and return the task of the tree that it makes.
 
     Args:
         where: as `grip run` takes it; see `grip_bt.nodes.tree_code.place_of`.
         folder: where modules are looked for last, such as the current folder.
-        timeout: how long [s] the code may take.
         as_it_is: for a drawing of the tree, node by node.
         stand_ins: whether packages that are missing are stood in for.
 
@@ -74,11 +71,11 @@ def import_from_code(
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=words,
-                timeout=timeout,
+                timeout=TIMEOUT,
                 env={**os.environ, "PYTHONPATH": paths},
             )
         except subprocess.TimeoutExpired:
-            why = f"no tree was built in {timeout:g} s; give a factory that only builds"
+            why = f"no tree was built in {TIMEOUT:g} s; give a factory that only builds"
             raise GripError(f"{where}: {why}") from None
         output.seek(0)
         words.seek(0)

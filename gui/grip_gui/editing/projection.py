@@ -23,6 +23,7 @@ from grip_gui.wire.task import FieldType, KindView, Meaning, NodeView, SettingVi
 
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
 _SHOWN = {"node", "kind", "children", "child", "with", "in", "out"}
+"""Keys that the view of a node has elsewhere; `fields` has the others that stand in the file."""
 PREVIEW = 2000  # longest initial value that is shown whole, in characters
 
 
@@ -75,7 +76,7 @@ def _node(node: AnyNode, find: FindManifest, position: dict[str, Any]) -> NodeVi
         children=[] if isinstance(node, Leaf) else [join(position["path"], child) for child in node.below],
         outcomes=_outcomes_of(face, node.meaning) if isinstance(node, Leaf | Subtask) else outcomes_of(node),
         **(_ports(node) if isinstance(node, Leaf | Subtask | Foreign) else {}),
-        fields=_fields(node),
+        fields={key: plain_data(value) for key, value in data_of(node).items() if key not in _SHOWN},
     )
 
 
@@ -88,11 +89,6 @@ def _outcomes_of(face: Manifest | None, meaning: Mapping[str, Meaning]) -> dict[
     if face is not None:
         return face.outcomes_for(dict(meaning))
     return {"success": "success", "failure": "failure", **meaning}
-
-
-def _fields(node: AnyNode) -> dict[str, Any]:
-    """Return the keys of a node that the view doesn't have elsewhere; only those that stand in the file."""
-    return {key: plain_data(value) for key, value in data_of(node).items() if key not in _SHOWN}
 
 
 def _edges_below(parent: Kind, name: str, child: AnyNode) -> list[Transition]:
