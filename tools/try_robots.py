@@ -19,8 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from grip_bt.base.errors import GripError
-from grip_bt.commanders.description.configurations import configured_packages, is_configured
-from grip_bt.commanders.description.packages import package_around
+from grip_bt.commanders.description.configurations import configured_packages
 from grip_bt.task import load
 from grip_bt.task.model import children_of
 
@@ -31,8 +30,6 @@ MARKS = ("loads", "fake", "sim", "pose", "line")
 
 def packages_of(folder: Path) -> list[Path]:
     """Return the packages to be tried of a folder."""
-    if (folder / "package.xml").is_file() or is_configured(folder) and package_around(folder) is not None:
-        return [folder]
     return configured_packages(folder) or [folder]
 
 

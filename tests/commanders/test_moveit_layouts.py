@@ -254,3 +254,34 @@ def test_a_launch_file_without_a_robot_says_what_it_names(tmp_path):
     folder = package(tmp_path / "camera", "camera", **{"launch/camera.launch.xml": text})
     (finding,) = inspect_robot(str(folder / "launch/camera.launch.xml")).findings
     assert "no robot's file is found that it brings up (it names camera.urdf)" in finding.message
+
+
+@pytest.fixture
+def two_configured(workspace):
+    """Two configuration packages of one workspace, the second with limits."""
+    for name, more in (("a_moveit", {}), ("b_moveit", {"config/joint_limits.yaml": LIMITS})):
+        package(workspace / name, name, ["smally_model"], **{"config/smally.srdf": SRDF, **more})
+    return workspace
+
+
+def test_a_workspace_stands_for_the_package_in_it(two_configured, tmp_path):
+    asked = []
+
+    def choose(question, names):
+        asked.append(list(names))
+        return names[1]
+
+    made = new_robot(str(two_configured), tmp_path / "lab", choose)
+    assert asked == [["a_moveit", "b_moveit"]]
+    assert "moveit: ../ws/src/b_moveit\n" in made.files["grip.yaml"]
+    assert not [f for f in made.findings if f.code == "missing-package"]
+
+
+def test_of_a_workspace_the_package_of_the_srdf_is_taken_or_the_first_and_said(two_configured):
+    found = inspect_robot(RobotConfig(moveit=str(two_configured)))
+    (told,) = [f.message for f in found.findings if f.code == "several-configurations"]
+    assert told == "of several configurations a_moveit is taken; others, for `moveit:`, are b_moveit"
+    named = RobotConfig(moveit=str(two_configured), srdf=str(two_configured / "b_moveit/config/smally.srdf"))
+    found = inspect_robot(named)
+    assert found.description.acceleration_limits["j1"] == 3.5
+    assert not [f for f in found.findings if f.code in ("several-configurations", "missing-package")]

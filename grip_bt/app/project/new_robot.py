@@ -18,7 +18,7 @@ from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameErr
 from grip_bt.base.issue import Issue
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.commanders.description.configurations import Configurations, configured_packages, is_configured
+from grip_bt.commanders.description.configurations import Configurations, configured_packages
 from grip_bt.commanders.description.files import errors
 from grip_bt.commanders.description.from_files import Inspected
 from grip_bt.commanders.description.launched import is_launch_file
@@ -108,7 +108,7 @@ def _chosen(source: str, choose: Choose) -> dict[str, Any]:
         config, around = config_of(str(path), Path.cwd())
         given = config.model_dump(exclude_unset=True)
         return {k: str(around / v) if k in FILES and "://" not in v else v for k, v in given.items()}
-    if not (path / MANIFEST).is_file() and not is_configured(path) or not path.is_dir():
+    if not (path / MANIFEST).is_file():
         found = {str(each.relative_to(path)): each for each in configured_packages(path)}
         if not found and not Configurations(path, Packages()).alternatives():
             if "/" not in source:  # more likely a name, beside which a folder happens to lie

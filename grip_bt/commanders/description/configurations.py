@@ -233,8 +233,9 @@ def is_configured(folder: Path) -> bool:
 
 
 def configured_packages(root: Path) -> list[Path]:
-    """Return the MoveIt configuration packages below a folder, such as a workspace."""
-    return [folder for _, folder in packages_below(root) if is_configured(folder)]
+    """Return the MoveIt configuration packages that a folder, such as a workspace, holds; else itself if it is one."""
+    found = [folder for _, folder in packages_below(root) if is_configured(folder)]
+    return found or [root] * is_configured(root)
 
 
 def _is_srdf(path: Path) -> bool:

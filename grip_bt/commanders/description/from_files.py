@@ -14,12 +14,12 @@ from grip_bt.commanders.settings import PLANNERS
 from .build import build, normal, with_config, with_states
 from .check_urdf import check_urdf
 from .config import RobotConfig
-from .configurations import Alternative, Configurations, Fitted
+from .configurations import Alternative, Configurations, Fitted, configured_packages
 from .files import errors, finding_of, robot_issue
 from .guessed import with_efforts, with_groups, with_postures
 from .hints import declared
 from .moveit_package import JointLimits, MoveItPackage, preferences_of, read_package
-from .packages import Packages
+from .packages import MANIFEST, Packages
 from .robot import RobotDescription
 from .srdf import Srdf, read_srdf, with_known_names
 from .tree import Tree
@@ -83,6 +83,8 @@ class _Single:
         """Take the configuration of a package that the description asks for, or its first, and say so."""
         if not folder.is_dir():
             raise DocumentError("there is no such folder", str(folder))
+        folder = self._package_in(folder)
+        self.packages = Packages(self.packages.given, (folder / MANIFEST,))
         found = Configurations(folder, self.packages)
         asked = self.config.arguments
         given = self.config.urdf or self.config.xacro
@@ -99,8 +101,7 @@ class _Single:
             others = [each.name for each in every if each is not choice]
             if others and not told:
                 how = "arguments" if choice.arguments else "srdf" if choice.srdf else "urdf"
-                more = f"of several configurations {choice.name} is taken; others, for `{how}:`, are {listing(others)}"
-                self._warn("several-configurations", more, folder)
+                self._warn_of_others(choice.name, how, others, folder)
         choice = replace(choice, arguments={**choice.arguments, **asked}, urdf=urdf or choice.urdf)
         self.chosen = found.fitted(choice)
         if self.chosen.fit < 1:
@@ -108,6 +109,19 @@ class _Single:
             self._warn("odd-urdf", part, folder)
         self.moveit = read_package(folder, self.chosen)
         self.findings += self.moveit.findings
+
+    def _package_in(self, workspace: Path) -> Path:
+        """Return a folder's configuration package: that of the SRDF which the description names, or its first."""
+        found = configured_packages(workspace)
+        srdf = None if self.config.srdf is None else self._path(self.config.srdf).resolve()
+        fit = [each for each in found if srdf is None or srdf.is_relative_to(each.resolve())] or [workspace]
+        if others := [str(each.relative_to(workspace)) for each in fit[1:]]:
+            self._warn_of_others(str(fit[0].relative_to(workspace)), "moveit", others, workspace)
+        return fit[0]
+
+    def _warn_of_others(self, taken: str, key: str, others: list[str], place: Path) -> None:
+        more = f"of several configurations {taken} is taken; others, for `{key}:`, are {listing(others)}"
+        self._warn("several-configurations", more, place)
 
     def _described(self, robot: ET.Element, source: Path) -> RobotDescription | None:
         tree = Tree(robot)
