@@ -155,7 +155,8 @@ class Imported:
     def task(self) -> Task:
         """The only task. Raises GripError: there are others, or none."""
         if len(self.tasks) != 1:
-            raise GripError(f"one task is expected, and these were imported: {listing(self.tasks)}")
+            many = f"several tasks were imported ({listing(self.tasks)}); name a folder for them by -o"
+            raise GripError(many if self.tasks else "no task was imported")
         return next(iter(self.tasks.values()))
 
     @property

@@ -112,6 +112,18 @@ def test_a_folder_comes_in_whole_with_includes_models_and_control_nodes_of_other
     assert main(["check", str(lab / "tasks/Go.yaml")]) == 0
 
 
+def test_trees_of_one_name_are_told_apart_by_their_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tree = '<root BTCPP_format="4"><BehaviorTree ID="{}"><AlwaysSuccess/></BehaviorTree></root>'
+    for place, name in (("a/go", "MainTree"), ("a/wait", "MainTree"), ("b/go", "MainTree"), ("c/go", "go")):
+        (tmp_path / "in" / place).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "in" / f"{place}.xml").write_text(tree.format(name))
+    assert main(["import", str(tmp_path / "in"), "--from", "btcpp"]) == 1
+    assert "several tasks were imported (a_go, wait, b_go, go); name a folder" in capsys.readouterr().err
+    assert main(["import", str(tmp_path / "in"), "--from", "btcpp", "-o", str(tmp_path / "out")]) == 0
+    assert sorted(path.stem for path in (tmp_path / "out").glob("*.yaml")) == ["a_go", "b_go", "go", "wait"]
+    assert "name: MainTree" in (tmp_path / "out/wait.yaml").read_text()  # an export has it again
+
+
 def test_one_file_finds_the_trees_of_its_package(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source = navigation(tmp_path / "ws" / "nav")
     assert main(["import", str(source / "trees/go.xml"), "--from", "btcpp", "--report"]) == 0

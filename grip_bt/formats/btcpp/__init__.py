@@ -5,6 +5,7 @@ Files of a project become tasks, and what has to be written for them: manifests,
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,7 @@ from grip_bt.formats.btcpp.importer import Importer, from_xml, settle
 from grip_bt.formats.btcpp.leaves import Leaves
 from grip_bt.formats.btcpp.writer import to_xml
 from grip_bt.formats.imported import Imported, Issues, Item, Request, generated_by
-from grip_bt.formats.names import free
+from grip_bt.formats.names import free, node_name
 from grip_bt.formats.xml_trees import Document, Library, subtrees_of, workspace_of, xml_files
 from grip_bt.task import Task
 from grip_bt.task.catalog import Manifest
@@ -91,7 +92,7 @@ class Project:
         settle(importers)
         if not importers and not items:
             raise GripError(f"{self.request.path}: no XML file with a <BehaviorTree> to import")
-        made = [each for importer in importers if (each := self._result(importer, items, alone)) is not None]
+        made = [(i, each) for i in importers if (each := self._result(i, items, alone)) is not None]
         return replace(_together(made), items=tuple(sorted(items, key=lambda item: item.source)))
 
     def _result(self, importer: Importer, items: list[Item], alone: bool) -> Imported | None:
@@ -146,10 +147,24 @@ def _failed(name: str, source: str, error: GripError) -> Item:
     return Item(name, source, 1, tuple(issues))
 
 
-def _together(made: list[Imported]) -> Imported:
+def _together(made: list[tuple[Importer, Imported]]) -> Imported:
     tasks: dict[str, Task] = {}
-    manifests = {each.id: each for one in made for each in one.manifests}
-    for one in made:
-        tasks |= {free(name, tasks): task for name, task in one.tasks.items()}
-    issues = tuple(dict.fromkeys(issue for one in made for issue in one.issues))
+    manifests = {each.id: each for _, one in made for each in one.manifests}
+    for name, (_, one) in zip(_names([importer for importer, _ in made]), made, strict=True):
+        tasks[free(name, tasks)] = one.task
+    issues = tuple(dict.fromkeys(issue for _, one in made for issue in one.issues))
     return Imported(tasks, issues, manifests=tuple(manifests.values()))
+
+
+def _names(importers: list[Importer]) -> list[str]:
+    """Name each after its tree; where several trees are called the same, such as MainTree, after its file."""
+    files = [Path(each.document.source).resolve() for each in importers]
+    told = [
+        (each.name, file.stem, f"{file.stem}_{each.name}", f"{file.parent.name}_{file.stem}")
+        for each, file in zip(importers, files, strict=True)
+    ]
+    counts = [Counter(alike) for alike in zip(*told, strict=True)]
+    return [
+        node_name(next((name for name, count in zip(names, counts, strict=True) if count[name] == 1), names[0]))
+        for names in told
+    ]
