@@ -45,8 +45,8 @@ def read(request: Request) -> Imported:
     if not path.exists():
         raise GripError(f"{path}: there is no such file or folder")
     read, root = list[ImportedFile](), path if path.is_dir() else None
-    inside = () if root is None else sorted(root.rglob("*.py"))
-    files_there = [p for p in inside if not any(part.startswith(".") for part in p.parts)] if root else [path]
+    inside = () if root is None else (file.relative_to(root) for file in sorted(root.rglob("*.py")))
+    files_there = [path / p for p in inside if not any(part[0] == "." for part in p.parts)] if root else [path]
     request.progress(0, len(files_there), "")
     for imported in import_files(files_there, root, request.execute, request.arguments, request.success):
         read.append(imported)
