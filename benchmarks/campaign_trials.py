@@ -49,7 +49,7 @@ def used(root: int) -> dict[str, tuple[float, float]]:
 def trial(task: str, seed: int, journal: Path, process: RunProcess | None = None) -> tuple[str, str]:
     """Run one; return its run and how it ended."""
     options = RunOptions(seed=seed, journal=journal, watchdog=10.0)
-    supervisor = Supervisor(task, options, lambda event: None, 10.0, own_input=False, process=process)
+    supervisor = Supervisor(task, options, lambda event: None, 10.0, terminal=False, process=process)
     supervisor.start()
     end = supervisor.wait()
     return (supervisor.started or {"run": ""})["run"], end.get("status", "failed")
@@ -67,7 +67,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         journal, runs = Path(folder) / "runs.sqlite", dict[int, str]()
         costs: list[dict[str, float]] = []
-        with RunProcess(own_input=False) as process:
+        with RunProcess(terminal=False) as process:
             before: dict[str, tuple[float, float]] = {}
             for seed in seeds:
                 runs[seed], status = trial(args.task, seed, journal, process)

@@ -7,7 +7,7 @@ import json
 import sys
 import threading
 from collections.abc import Mapping
-from contextlib import suppress
+from contextlib import redirect_stdout, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -171,7 +171,11 @@ def run_run(args: argparse.Namespace) -> int:
 
 def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
     end: RunEnd = {}
-    with open_session(args.task, options, progress=silent if args.json and not args.control else progress) as session:
+    ours, told = sys.stdout, silent if args.json and not args.control else progress
+    with (
+        redirect_stdout(sys.stderr if args.json or args.control else ours),
+        open_session(args.task, options, progress=told) as session,
+    ):
         on_stop(session.runner.stop)
         verdict = Verdict(session)
 
@@ -180,10 +184,11 @@ def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
             return end
 
         if args.control:
-            serve_control(session.runner, sys.stdin, sys.stdout, more)
+            serve_control(session.runner, sys.stdin, ours, more)
         else:
             more(session.runner.run())
-            tell_end({**end, "run": session.runner.run_id}, args.json)
+    if not args.control:
+        tell_end({**end, "run": session.runner.run_id}, args.json)
     return exit_status(end)
 
 
@@ -205,7 +210,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions) -> int:
             except (OSError, ValueError):
                 supervisor.stop(lost=True)
 
-    supervisor = Supervisor(str(args.task), options, told, options.watchdog, own_input=not args.control)
+    supervisor = Supervisor(str(args.task), options, told, options.watchdog, terminal=not (args.control or args.json))
     supervisor.start()
     on_stop(supervisor.stop)
     if args.control:

@@ -47,6 +47,43 @@ def test_what_came_up_is_said_on_stderr_unless_the_result_is_json(
     assert json.loads(said.out)["status"] == "success"
 
 
+PRINTS = """\
+import py_trees
+
+print("as it is imported")
+
+
+class Talks(py_trees.behaviour.Behaviour):
+    def update(self):
+        print("as it ticks")
+        return py_trees.common.Status.SUCCESS
+
+
+def tree():
+    return Talks("talks")
+"""
+PRINTED = ["as it is imported", "as it ticks"]
+
+
+@pytest.mark.parametrize("way", [(), ("--in-process",)])
+@pytest.mark.parametrize("as_json", [True, False])
+def test_what_a_program_reads_holds_nothing_that_code_prints(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    way: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    name = f"talks_{len(way)}_{as_json}"  # one that this process hasn't imported
+    Path(f"{name}.py").write_text(PRINTS)
+    assert main(["run", f"{name}.py:tree", *way, *["--json"] * as_json]) == 0
+    said = capfd.readouterr()
+    assert [line for line in (said.out, said.err)[as_json].splitlines() if line.startswith("as it")] == PRINTED
+    if as_json:
+        assert json.loads(said.out)["status"] == "success"
+
+
 @pytest.mark.slow
 @pytest.mark.sim
 def test_that_the_simulator_starts_is_said_before_it_is_there(

@@ -157,7 +157,7 @@ class Trials:
         """Run one trial, in processes of its own where none is given, and return its row; None where it was stopped."""
         began, late, said = time.monotonic(), threading.Event(), self._campaign.file
         task, options = str(self._campaign.task(variant)), self._options(variant, seed, process is None)
-        supervisor = Supervisor(task, options, lambda event: None, self._watchdog, own_input=False, process=process)
+        supervisor = Supervisor(task, options, lambda event: None, self._watchdog, terminal=False, process=process)
 
         def too_late() -> None:
             late.set()
@@ -222,7 +222,7 @@ class Seat(Closing):
         if self._process is not None and (self._count >= MOST or not self._process.waits):
             self.close()
         if self._process is None and not self._trials.fresh:
-            self._process, self._count = RunProcess(own_input=False), 0
+            self._process, self._count = RunProcess(terminal=False), 0
         row, self._count = self._trials.once_or_twice(variant, seed, self._process), self._count + 1
         if row is not None and row["status"] in _WRONG:
             self.close()

@@ -55,13 +55,13 @@ class RunProcess(Closing):
     """A child process that executes runs, one after the other, and the channels to it; `idle` between two of them.
 
     Args:
-        own_input: whether the child may read our standard input.
+        terminal: whether the child has our stdin and stdout; else it reads nothing, and prints to stderr.
 
     Raises:
         GripError: it can't be started; it says what the system refuses.
     """
 
-    def __init__(self, own_input: bool = True):
+    def __init__(self, terminal: bool = True):
         with ExitStack() as stack:  # of the child's ends
             try:
                 commands, self.command_end = os.pipe()
@@ -79,7 +79,8 @@ class RunProcess(Closing):
                 self.child = subprocess.Popen(
                     python_command("-m", "grip_bt.app.runs.process", json.dumps(channels)),
                     pass_fds=list(channels.values()),
-                    stdin=None if own_input else subprocess.DEVNULL,
+                    stdin=None if terminal else subprocess.DEVNULL,
+                    stdout=None if terminal else 2,
                     env={**SINGLE, **os.environ},
                 )
             except OSError as error:
@@ -131,7 +132,7 @@ class Supervisor:
     Args:
         told: called with each event of the run, in a thread of the supervisor.
         silence: how long [s] the process may stand still before it is ended; None for ever.
-        own_input: whether the child may read our standard input.
+        terminal: whether the child has our stdin and stdout; else it reads nothing, and prints to stderr.
         process: one that is idle, and is idle again afterwards if nothing went wrong; None for one of the run's own.
     """
 
@@ -141,14 +142,14 @@ class Supervisor:
         options: RunOptions,
         told: EventListener,
         silence: float | None = None,
-        own_input: bool = True,
+        terminal: bool = True,
         process: RunProcess | None = None,
     ):
         self._told, self._silence = told, silence
         more = process is not None
         self._order = {"task": task, "options": OPTIONS.dump_python(options, mode="json"), "more": more}
         self._robot = options.robot
-        self._own_input = own_input
+        self._terminal = terminal
         self._given = process
         self._lock = threading.RLock()
         self._acknowledged, self._over = threading.Event(), threading.Event()
@@ -165,7 +166,7 @@ class Supervisor:
 
     def start(self) -> None:
         """Start the process. Raises GripError where it can't be; it says what the system refuses."""
-        self._process = self._given or RunProcess(self._own_input)
+        self._process = self._given or RunProcess(self._terminal)
         self._process.idle = False
         self._process.send(self._order)
         self._reader = threading.Thread(target=self._read, name="grip_events", daemon=True)

@@ -39,7 +39,7 @@ def start_run(task_file: Path, journal: Path, options: RunOptions, told: EventLi
     journal.parent.mkdir(parents=True, exist_ok=True)
     fields = options.model_dump(exclude={"mocks"}) | {"journal": journal, "watchdog": execute.WATCHDOG}
     given = execute.RunOptions(**fields, mocks=scripted(options.mocks))
-    supervisor = Supervisor(str(task_file), given, told, given.watchdog, own_input=False)
+    supervisor = Supervisor(str(task_file), given, told, given.watchdog, terminal=False)
     supervisor.start()
     return supervisor
 
