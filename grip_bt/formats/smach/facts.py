@@ -59,7 +59,8 @@ def _container(found: Any, said: dict[str, Any], seen: Construction | None, stor
     try:
         found.check_consistency()
     except Exception as error:  # noqa: BLE001 - whatever is wrong with it
-        inconsistent = "" if isinstance(found, smach_compat.Concurrence) else str(error)  # it is executed all the same
+        unasked = isinstance(found, smach_compat.Concurrence) or "execute" in overridden  # it runs all the same
+        inconsistent = "" if unasked else str(error)
     transitions, remappings, constants = (
         getattr(found, f"_{n}", {}) for n in ("transitions", "remappings", "constants")
     )

@@ -167,11 +167,10 @@ def _container(file: Path, seen: Seen, again: Seen | None, record: Record) -> Co
 
 def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[str, Span | None]]:
     told = {(t.what, t.file, t.line): t for run, _ in seen for t in run.told}
-    for each in list(told.values())[:_MOST_REASONS]:
+    for number, each in enumerate(list(told.values())[:_MOST_REASONS], 1):
         taken = f"taken as {each.value}: with another value it may be another machine"
-        yield f"goes by `{each.what}`, {'known only in a run' if each.value is None else taken}", _span(each)
-    if len(told) > _MOST_REASONS:
-        yield f"and {len(told) - _MOST_REASONS} more like these", None
+        more = f", and {len(told) - number} more like it" if number == _MOST_REASONS < len(told) else ""
+        yield f"goes by `{each.what}`, {'known only in a run' if each.value is None else taken}{more}", _span(each)
     if _variants(seen) > 1:
         for each in _deciding(seen)[:_MOST_REASONS]:
             text = f"is another machine by the answer to `{each.what}`, known only in a run; shown as for one of them"

@@ -169,9 +169,8 @@ class TaskMaker:
         except RefusedError as error:
             self.variables.names, self.leaves.specs = before
             runs = bool(self.leaves.source(state))
-            state.issues = [i for i in state.issues if not runs or i.severity != "error"]
-            for each in state.within() if runs else ():  # SMACH itself copies
-                each.issues = [issue for issue in each.issues if COPIED not in issue.message]
+            for each in state.within() if runs else ():  # SMACH itself copies, and refuses what it comes to
+                each.issues = [i for i in each.issues if i.severity != "error" and COPIED not in i.message]
             as_leaf = ONE_LEAF if runs else "left out of the task"
             state.problem("note" if runs else "failed", f"{as_leaf}: {error}")
         return self._leaf(found, added, keys, remapping)
