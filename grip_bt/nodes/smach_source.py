@@ -7,6 +7,7 @@ import importlib
 import logging
 import os
 import re
+import string
 import sys
 import threading
 import tokenize
@@ -61,7 +62,7 @@ def read_source(path: Path) -> Source:
     except (OSError, SyntaxError, UnicodeDecodeError) as error:
         raise DocumentError(f"can't be read: {error}", str(path)) from error
     try:
-        tree = _parse(text)
+        tree = _parse(text, path)
         if _PYTHON_2.search(text):
             raise ValueError("is written for Python 2")
         return Source(path, text, tree, False)
@@ -70,16 +71,42 @@ def read_source(path: Path) -> Source:
             whole = text.expandtabs(_TAB)
             with _converting:
                 converted = str(_converter().refactor_string(whole + "\n" * (whole[-1:] != "\n"), str(path)))
-            return Source(path, converted, _parse(converted), True)
+            return Source(path, converted, _parse(converted, path), True)
         except Exception:  # noqa: BLE001 - the converter raises whatever it likes; the first error says what is wrong
             line = getattr(first, "lineno", None)
             raise DocumentError(f"is neither Python 3 nor Python 2: {first}", str(path), line) from first
 
 
-def _parse(text: str) -> ast.Module:
+def _parse(text: str, path: Path) -> ast.Module:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # invalid escapes in old regular expressions
-        return ast.parse(text)
+        tree = ast.parse(text)
+    return _Neighbours(path).visit(tree) if "." in package_of(path)[1] else tree
+
+
+class _Neighbours(ast.NodeTransformer):
+    """Has a module import what lies beside it from its package, as Python 2 did by the name alone.
+
+    Modules of one name in several packages stay apart so.
+    """
+
+    def __init__(self, path: Path):
+        self.folder, self.there, self.own = path.parent, names_in(path.parent), package_of(path)[1].split(".")[0]
+
+    def _is_beside(self, name: str) -> bool:
+        top, _, below = name.partition(".")
+        module = f"{top}.py" in self.there and not below
+        package = top in self.there and "__init__.py" in names_in(self.folder / top)
+        return (module or package) and top != self.own and top not in sys.stdlib_module_names
+
+    def visit_ImportFrom(self, node: ast.ImportFrom) -> ast.ImportFrom:
+        node.level = node.level or int(self._is_beside(node.module or ""))
+        return node
+
+    def visit_Import(self, node: ast.Import) -> list[ast.stmt]:
+        near = [each for each in node.names if "." not in each.name and self._is_beside(each.name)]
+        each_alone = (ast.ImportFrom(None, [n], 1) if n in near else ast.Import([n]) for n in node.names)
+        return [ast.copy_location(each, node) for each in each_alone]
 
 
 _converting = threading.Lock()  # the converter has sys.stderr be another one for a while
@@ -124,7 +151,10 @@ def workspace_of(file: Path, bound: Path | None = None) -> Workspace:
     root = bound or (_root(package) if package is not None else file.parent)
     whole = _workspace(root, package is not None or bound is not None)
     own = {} if package is None else {name_of_package(package) or package.name: package}
-    folders = tuple(dict.fromkeys((file.parent, package_of(file)[0], *whole.shared)))
+    home, name = package_of(file)
+    hidden = f"{name.split('.')[0]}.py" in names_in(file.parent)  # the package, by a module of its name in it
+    near = (home, file.parent) if hidden else (file.parent, home)
+    folders = tuple(dict.fromkeys((*near, *whole.shared)))
     return replace(whole, packages={**whole.packages, **own}, folders=folders)
 
 
@@ -258,9 +288,28 @@ class LegacySubmodules(MetaPathFinder):
 _finder = LegacyFinder(())
 
 
+def old_string_functions() -> None:
+    """Give the module `string` the functions that Python 2 had there, and strings have as methods since."""
+    for name in (
+        "capitalize",
+        "count",
+        "find",
+        "ljust",
+        "lower",
+        "replace",
+        "rfind",
+        "rjust",
+        "split",
+        "strip",
+        "upper",
+    ):
+        setattr(string, name, getattr(str, name))
+
+
 def prepare_imports(path: Path, ros: bool = True) -> None:
     """Have a legacy file find `smach`, `rospy`, its neighbours, and the packages of its workspace, after all others."""
     smach_compat.install(ros=ros, rospy=ros)
+    old_string_functions()
     for folder in workspace_of(path).folders:
         if folder not in _finder.folders:
             _finder.folders.append(folder)

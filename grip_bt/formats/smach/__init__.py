@@ -10,6 +10,7 @@ from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.issue import Issue
+from grip_bt.commanders.description.packages import package_around
 from grip_bt.formats.imported import CODES, Imported, Item, Request
 from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
@@ -48,7 +49,8 @@ def read(request: Request) -> Imported:
     inside = () if root is None else (file.relative_to(root) for file in sorted(root.rglob("*.py")))
     files_there = [path / p for p in inside if not any(part[0] == "." for part in p.parts)] if root else [path]
     request.progress(0, len(files_there), "")
-    for imported in import_files(files_there, root, request.execute, request.arguments, request.success):
+    around = None if root is None or package_around(root.resolve()) is not None else root  # else it is found
+    for imported in import_files(files_there, around, request.execute, request.arguments, request.success):
         read.append(imported)
         request.progress(len(read), len(files_there), imported.file.name)
     if len(read) == 1 and read[0].error:

@@ -20,6 +20,7 @@ import time
 import uuid
 from collections.abc import Callable
 from functools import lru_cache, partial
+from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree
@@ -251,15 +252,15 @@ def _in_namespace(name: str) -> Any:
 def _rosparam(module: ModuleType) -> None:
     """Have parameters that a program uploads be those that it reads."""
 
-    def load(file: Any, namespace: str | None = None, *rest: Any) -> Any:
+    def load(file: Any, default_namespace: str | None = None, verbose: bool = False) -> Any:
         if stands_in(file):
             return stand_in(f"parameters of {name_of(file)}")
         with open(file) as text:
-            return [(yaml.safe_load(text), namespace or "/")]
+            return [(yaml.safe_load(text), default_namespace or "/")]
 
-    def upload(namespace: Any, values: Any, *rest: Any) -> None:
-        for name, value in values.items() if isinstance(values, dict) and not stands_in(namespace) else ():
-            stand_ins.judge.known[f"ROS parameter {namespace.rstrip('/')}/{name}"] = value
+    def upload(ns: Any, values: Any, verbose: bool = False) -> None:
+        for name, value in values.items() if isinstance(values, dict) and not stands_in(ns) else ():
+            stand_ins.judge.known[f"ROS parameter {ns.rstrip('/')}/{name}"] = value
 
     _give(module, load_file=load, upload_params=upload)
 
@@ -269,6 +270,9 @@ def _give(module: ModuleType, **functions: Any) -> None:
     for name, function in functions.items():
         function._stand_in_free = True
         setattr(module, name, function)
+
+
+_ROSLIB_PACKAGES = ModuleSpec("roslib.packages", None)
 
 
 def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
@@ -306,7 +310,10 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         _packages(workspace, module.RosPack)
         module.RosPack.get_path = lambda self, name: folder(name)
 
-    finder.made |= {"rospy": rospy, "rosparam": _rosparam, "smach_ros": smach_ros, "rospkg": rospkg}
+    finder.made |= {"rospy": rospy, "rosparam": _rosparam, "rospkg": rospkg}
+    modules = ("action_server_wrapper", "condition_state", "monitor_state", "service_state", "simple_action_state")
+    finder.made |= dict.fromkeys(("smach_ros", *(f"smach_ros.{name}" for name in modules)), smach_ros)
     share = ("ament_index_python", "ament_index_python.packages")
     finder.made |= dict.fromkeys(share, lambda module: setattr(module, "get_package_share_directory", folder))
     finder.made["roslib.packages"] = lambda module: setattr(module, "get_pkg_dir", folder)
+    finder.made["roslib"] = lambda module: setattr(module, "packages", finder.create_module(_ROSLIB_PACKAGES))
