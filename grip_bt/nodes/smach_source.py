@@ -7,7 +7,6 @@ import importlib
 import logging
 import os
 import re
-import string
 import sys
 import threading
 import tokenize
@@ -288,28 +287,9 @@ class LegacySubmodules(MetaPathFinder):
 _finder = LegacyFinder(())
 
 
-def old_string_functions() -> None:
-    """Give the module `string` the functions that Python 2 had there, and strings have as methods since."""
-    for name in (
-        "capitalize",
-        "count",
-        "find",
-        "ljust",
-        "lower",
-        "replace",
-        "rfind",
-        "rjust",
-        "split",
-        "strip",
-        "upper",
-    ):
-        setattr(string, name, getattr(str, name))
-
-
 def prepare_imports(path: Path, ros: bool = True) -> None:
     """Have a legacy file find `smach`, `rospy`, its neighbours, and the packages of its workspace, after all others."""
     smach_compat.install(ros=ros, rospy=ros)
-    old_string_functions()
     for folder in workspace_of(path).folders:
         if folder not in _finder.folders:
             _finder.folders.append(folder)

@@ -6,6 +6,7 @@ Never by default.
 from __future__ import annotations
 
 import importlib
+import string
 import sys
 from types import ModuleType
 
@@ -13,6 +14,9 @@ from grip_bt.base.errors import GripError
 
 from ._provided import Provided
 from ._settings import Settings, configure
+
+_METHODS = ("capitalize", "count", "find", "index", "lower", "replace", "rfind", "split", "strip", "upper", "zfill")
+"""Of strings, which Python 2 had as functions of its module `string` too."""
 
 
 def _with_submodules(name: str, module: ModuleType) -> dict[str, ModuleType]:
@@ -52,6 +56,8 @@ def install(*, ros: bool = True, rospy: bool = False, **changes: bool | str) -> 
             )
     configure(**changes)
     sys.modules.update(modules)
+    for name in _METHODS:
+        setattr(string, name, getattr(str, name))
     if ros:
         smach_msgs().begin()
     if rospy:
@@ -69,6 +75,8 @@ def uninstall() -> None:
     for name, module in _modules().items():
         if sys.modules.get(name) is module:
             del sys.modules[name]
+    for name in _METHODS:
+        vars(string).pop(name, None)
     smach_msgs().end()
     if "grip_bt.smach_compat.ros1" in sys.modules:
         sys.modules["grip_bt.smach_compat.ros1"].end()

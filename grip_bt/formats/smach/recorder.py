@@ -29,16 +29,7 @@ from typing import Any
 from grip_bt import smach_compat
 from grip_bt.nodes import stand_ins
 from grip_bt.nodes.smach_construction import CONTAINERS, Construction
-from grip_bt.nodes.smach_source import (
-    LegacyFinder,
-    Workspace,
-    module_name,
-    names_in,
-    old_string_functions,
-    read_source,
-    run_as,
-    workspace_of,
-)
+from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, names_in, read_source, run_as, workspace_of
 from grip_bt.nodes.stand_ins import StandIn, StandInFinder, asked_by_a_library, name_of, stand_in, unwrapped
 from grip_bt.smach_compat._settings import quiet
 from grip_bt.smach_compat.smach_ros._connection import names_used
@@ -287,7 +278,6 @@ class FileRecorder:
             os.dup2(null, stream)
         smach_compat.install(ros=False)  # states of smach_ros have stand-ins: recording never talks to ROS
         smach_compat.set_loggers(*[quiet] * 4)
-        old_string_functions()
         ros_stand_ins(self.finder, self.workspace)
         sys.path[:] = [path for path in sys.path if path and not _is_of(path, self.workspace)]
         forget({name for folder in self.workspace.folders for name in _listed(folder)})
