@@ -106,18 +106,6 @@ class RunContext:
     def unfinished(self) -> Sequence[str]:
         return self._motions.unfinished()
 
-    def hold_with(self, part: Pausable) -> Callable[[], None]:
-        with self._pausing:
-            self._pausable.insert(0, part)
-            if self._paused:
-                part.pause()
-
-        def over() -> None:
-            with self._pausing:
-                self._pausable = [other for other in self._pausable if other is not part]
-
-        return over
-
     def arm(self, name: str) -> Arm:
         arm = _named("arm", self._parts.arms, name)
         self._used[id(arm)] = arm
@@ -152,7 +140,7 @@ class RunContext:
         """Have the clock, and whatever moves and can, stand still."""
         with self._pausing:
             self._paused = True
-            for part in list(self._pausable):
+            for part in self._pausable:
                 part.pause()
 
     def resume(self) -> None:
@@ -164,7 +152,7 @@ class RunContext:
     def release(self) -> None:
         """Let everything go on for the end of the run, but for motions that are held: those end where they are."""
         with self._pausing:
-            for part in list(self._pausable):
+            for part in self._pausable:
                 if self._paused and isinstance(part, (Executor, Arm, HandPort)):
                     part.stop()
             self.resume()

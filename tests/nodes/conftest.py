@@ -181,9 +181,6 @@ class FakeContext:
     def wake_at(self, time):
         self.alarms.append(time)
 
-    def hold_with(self, part):
-        return lambda: None
-
     def run_in_worker(self, work):
         operation = Operation()
 

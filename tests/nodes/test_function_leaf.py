@@ -135,9 +135,6 @@ class ThreadContext:
     def wake(self):
         self.woken.set()
 
-    def hold_with(self, part):
-        return lambda: None
-
     def run_in_worker(self, work):
         operation = Operation()
 

@@ -192,28 +192,6 @@ def test_a_blocking_function_is_left_behind_by_a_stop_and_its_result_is_dropped(
     assert ("", "n") not in run.compiled.data.snapshot()
 
 
-def test_what_is_held_with_a_run_is_let_go_by_whoever_asked_for_it() -> None:
-    class Part:
-        def __init__(self) -> None:
-            self.said: list[str] = []
-
-        def pause(self) -> None:
-            self.said.append("pause")
-
-        def resume(self) -> None:
-            self.said.append("resume")
-
-    context, kept, gone = RunContext(ManualClock()), Part(), Part()
-    context.pause()
-    context.hold_with(kept)
-    over = context.hold_with(gone)
-    assert kept.said == gone.said == ["pause"], "at once, since the run is paused"
-    context.resume()
-    over()
-    context.pause()
-    assert (kept.said, gone.said) == (["pause", "resume", "pause"], ["pause", "resume"])
-
-
 @pytest.mark.parametrize("kind", ["arm", "hand", "sensor"])
 def test_a_part_that_there_is_not_is_told_apart_from_having_none_at_all(kind: str) -> None:
     context = RunContext(ManualClock())

@@ -105,9 +105,6 @@ class Context(Protocol):
             NotStoppedError: of one of them nobody can say whether it has.
         """
 
-    def hold_with(self, part: Pausable) -> Callable[[], None]:
-        """Have `part` stand still whenever the run is paused, at once if it is; call what is returned to end that."""
-
     def arm(self, name: str) -> Arm:
         """Return an arm; UnknownNameError lists those that exist. An empty name means the only one."""
 
