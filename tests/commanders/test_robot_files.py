@@ -270,5 +270,5 @@ def test_a_robot_without_shapes_or_with_a_fixed_joint_called_as_its_link_can_be_
     (tmp_path / "r.urdf").write_text(bare)
     model = RobotModel(load_robot(str(tmp_path / "r.urdf")))
     situation = Situation("arm", JointState(JOINTS, np.zeros(6)), SceneSnapshot(), "", PlanningSettings())
-    _, checker = chain_and_checker(model, situation, 0.0)
+    _, checker = chain_and_checker(model, situation)
     assert checker.free(np.zeros(6))

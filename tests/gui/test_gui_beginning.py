@@ -123,7 +123,7 @@ def test_an_arm_with_a_hand_that_reaches_the_bench_at_home_rests_above_it(page: 
     robot = find_project(project).description()
     rest = JointState(robot.joints, [robot.at_rest.get(joint, 0.0) for joint in robot.joints])
     situation = Situation("arm", rest, BENCH, "", PlanningSettings())
-    chain, checker = chain_and_checker(RobotModel(robot), situation, 0.0)
+    chain, checker = chain_and_checker(RobotModel(robot), situation)
     assert not checker.pairs(rest.ordered(chain.joints))
     assert begun(page)["files"] == []
 

@@ -40,21 +40,24 @@ _FAMILY = {"SequenceStar": "SequenceWithMemory", **{f"Switch{n}": "Switch" for n
 """Tag -> the control node that follows its rules, where that has another name."""
 
 
-def from_xml(text: str, catalog: Catalog, source: str = "", folder: Path | None = None, tree: str = "") -> Imported:
+def from_xml(
+    text: str, catalog: Catalog, source: str = "", folder: Path | None = None, bound: Path | None = None, tree: str = ""
+) -> Imported:
     """Return the task of a file of BehaviorTree.CPP 4.
 
     Args:
         text: the file.
         catalog: where known nodes are; `<arm__lift>` is `arm/lift`.
         source: what to call the file in messages.
-        folder: where it and the files that it includes lie; without it, those are refused.
+        folder: where it lies; without it, included files are refused.
+        bound: the folder that included files have to lie in; `folder` by default.
         tree: the tree to import, in place of the main one.
 
     Raises:
         DocumentError: it can't be read.
         ImportRefusedError: parts of it have no exact equivalent; it lists all of them.
     """
-    document = Document(source, folder)
+    document = Document(source, folder, bound)
     main = document.load(text) if not tree else document.wanted(document.take_text(text), tree)
     importer = Importer(document, Leaves(catalog, document.models), main)
     settle([importer])

@@ -255,7 +255,7 @@ def inverse(request, response):
     pose = grasp(pose_from_message(asked.pose_stamped.pose))
     try:
         with thinking:
-            chain, checker = chain_and_checker(model, where, margin=0.0)
+            chain, checker = chain_and_checker(model, where)
             start = where.start.ordered(chain.joints)
             found = goals_of(chain, checker, PlanTo(where, pose), start)[0]
     except (NoIkError, GoalInCollisionError):
