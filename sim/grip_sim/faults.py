@@ -88,7 +88,7 @@ class Fault(Settings):
     between: Range | None = None
     """Of a limit: where the joint can go [rad or m]."""
     lag: Positive | None = None
-    """Of `late`: how old the frames are [s]."""
+    """Of `late`: how old the frames are [s], or up to 1/60 s more."""
     factor: Positive | None = None
     """Of light: what colours are multiplied with."""
 

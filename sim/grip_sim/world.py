@@ -51,9 +51,9 @@ class Contact(NamedTuple):
 
 TOUCH = 1e-3
 """Contact forces below this are none [N]."""
-FEELING, SELDOM = 1 / 80, 8
+FEELING, SELDOM, STEADY = 1 / 80, 8, 0.01
 """Interval at which a regulated force is felt [s], as asking for contacts takes as long as a step; and so many times
-that while it is as it is to be."""
+that while it is as it is to be, and has changed by less than this part of it."""
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 """PhysX cylinders lie along x."""
 FLOOR, FLOOR_SIZE, FLOOR_DEPTH, FLOOR_COLOUR = "floor", 20.0, 1.0, (92, 94, 98)
@@ -248,9 +248,9 @@ class World:
         return sum(self._force(contact) for _, _, contact in self._holding(hand)) / 2
 
     def _regulate(self, hand: str, rows: Sequence[int]) -> None:
-        pressed = self._feel(hand)
+        before, pressed = self._felt[hand][0], self._feel(hand)
         steps = self._feeling if pressed else 1  # what isn't touched yet may be with any step
-        if not self.robot.regulate(rows, pressed, steps * self.spec.dt):
+        if not self.robot.regulate(rows, pressed, steps * self.spec.dt) and abs(pressed - before) < STEADY * pressed:
             steps *= SELDOM
         self._felt[hand] = pressed, self.steps + steps
 

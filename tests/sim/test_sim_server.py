@@ -194,7 +194,7 @@ def test_a_controller_that_aborts_ends_its_motion_and_the_client_is_told_why(end
         told += [fields["fault"]] if "fault" in fields else []
     ends[0].shutdown(socket.SHUT_WR)
     thread.join()
-    assert told == [["stop", "abort of arm", False]]
+    assert told == [("stop", "abort of arm", False)]
     assert got[1]["error"] == "aborted"
     assert got[1]["message"] == "the controller has aborted (fault 'stop')"
     assert got[1]["time"] == pytest.approx(0.5, abs=0.01)
