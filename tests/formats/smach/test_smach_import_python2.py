@@ -61,14 +61,15 @@ def package(folder, name, **files):
 @pytest.fixture
 def two(tmp_path):
     """The second package's machine holds the first one's; modules have the same names, one that of its package."""
-    package(tmp_path, "one", pick=PICK, checks=CHECK.format(["done"], "done"), names="NEXT = 'TAKE'\n", one="")
+    lab = tmp_path / "lab"  # the folders of other tests aren't of one workspace with it
+    package(lab, "one", pick=PICK, checks=CHECK.format(["done"], "done"), names="NEXT = 'TAKE'\n", one="")
     checks = CHECK.format(["seen", "lost"], "seen")
-    return package(tmp_path, "two", both=BOTH, checks=checks, names="NEXT = 'LOOK'\n", two="")
+    return package(lab, "two", both=BOTH, checks=checks, names="NEXT = 'LOOK'\n", two="")
 
 
 @pytest.mark.parametrize("whole", [False, True], ids=["around the file", "the folder that is given"])
 def test_modules_of_one_name_in_two_packages_stay_apart(two, whole, tmp_path):
-    found = record(two / "both.py", root=tmp_path if whole else None)
+    found = record(two / "both.py", root=tmp_path / "lab" if whole else None)
     assert [(each.cls, each.verdict) for each in found.containers] == [("StateMachine", "exact"), ("Pick", "exact")]
     outer, pick = found.containers
     assert pick.added["CHECK"].state.outcomes == ["done"]
@@ -83,7 +84,7 @@ def test_they_stay_apart_when_the_task_runs(two, target, tmp_path):
 
 
 def test_a_folder_in_a_workspace_finds_what_lies_in_others(two, tmp_path, capsys):
-    assert main(["import", str(tmp_path / "two"), "--from", "smach", "--execute", "--report"]) == 0
+    assert main(["import", str(tmp_path / "lab/two"), "--from", "smach", "--execute", "--report"]) == 0
     assert capsys.readouterr().out.startswith("both.py: 2 exact")
 
 
@@ -108,8 +109,8 @@ class Old(smach.StateMachine):
 
 
 def test_names_that_were_elsewhere_or_are_gone_are_there(tmp_path):
-    inner = package(tmp_path, "old", machine=OLD)
-    (tmp_path / "old" / "rooms.yaml").write_text("rooms: [hall, bath]\n")
+    inner = package(tmp_path / "lab", "old", machine=OLD)
+    (tmp_path / "lab/old/rooms.yaml").write_text("rooms: [hall, bath]\n")
     found = record(inner / "machine.py")
     assert [(each.verdict, list(each.added)) for each in found.containers] == [("exact", ["go_tohall", "go_tobath"])], (
         texts(found)
