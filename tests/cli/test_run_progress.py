@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import logging
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -82,6 +84,19 @@ def test_what_a_program_reads_holds_nothing_that_code_prints(
     assert [line for line in (said.out, said.err)[as_json].splitlines() if line.startswith("as it")] == PRINTED
     if as_json:
         assert json.loads(said.out)["status"] == "success"
+
+
+@pytest.mark.parametrize("way", [(), ("--in-process",)])
+def test_nor_do_the_events_of_a_controlled_run(tmp_path: Path, way: tuple[str, ...]) -> None:
+    (tmp_path / "talks.py").write_text(PRINTS)
+    command = [sys.executable, "-m", "grip_bt.cli", "run", "talks.py:tree", "--control", *way]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, cwd=tmp_path, text=True, **pipes) as run:
+        assert run.stdout is not None
+        assert run.stderr is not None
+        told = [json.loads(line) for line in run.stdout]  # until the run has ended; who ends stdin stops it
+        assert [line for line in run.stderr.read().splitlines() if line.startswith("as it")] == PRINTED
+    assert (told[0]["event"], told[-1]["event"], told[-1]["status"]) == ("started", "ended", "success")
 
 
 @pytest.mark.slow
